@@ -4,8 +4,6 @@ No checks, no validation, no masses, no measured mesh error, no canonical bytes.
 contains ``parts.json`` and one BREP file for each part, and with an output folder.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 from pathlib import Path

@@ -11,8 +11,6 @@ false ones. Who changes the loop writes the table anew and shows the difference.
 class, from the first on, in the order of their names, and all the hard runs.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import sys

@@ -5,8 +5,6 @@ params/experiments; the hard runs are those that an earlier loop had wrong; no o
 developed.
 """
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -9,8 +9,6 @@ delay, offset, on a run without a torque column, on which all effects only add t
 compared between machines: plain fit over loop, and time per sample over that at the size before.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

@@ -6,8 +6,6 @@ Processor time of all threads, the smallest of N runs after a short one that com
 exceeded.
 """
 
-from __future__ import annotations
-
 import sys
 from functools import partial
 from pathlib import Path

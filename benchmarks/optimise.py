@@ -6,8 +6,6 @@ Evaluates the first designs of a search with one worker and with two, and prints
 says little on a busy machine. Exit code 1 if two workers give different points than one.
 """
 
-from __future__ import annotations
-
 import argparse
 import resource
 import sys

@@ -6,8 +6,6 @@ Wall time from the start of loading to the first paint of the tables (limit 1 s)
 and the processor time of the page's main thread, which depends less on other programs of the machine.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import statistics

@@ -6,8 +6,6 @@ Prints tables in Markdown; ``--write`` writes them between the marks of that pag
 for the figures of the model's page.
 """
 
-from __future__ import annotations
-
 import argparse
 from dataclasses import dataclass, replace
 from itertools import pairwise

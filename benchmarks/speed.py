@@ -7,8 +7,6 @@ Each time is the smallest of several runs, each in its own process. The two side
 other load on the machine slows both. Exit code 1 if a limit is exceeded.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import re

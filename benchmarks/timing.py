@@ -1,7 +1,5 @@
 """Shared by all benchmarks: a figure with its limit, the smallest of several times, and the end of a run."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import sys

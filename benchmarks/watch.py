@@ -7,8 +7,6 @@ a changed pulley (1 s), to the reloaded page with the tables of the new design (
 last two by the browser's clock. The smallest time of the runs is that of an idle machine.
 """
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os

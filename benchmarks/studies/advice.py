@@ -9,8 +9,6 @@ passes, with the list of checks that still fail, or in a cycle: a file that occu
 ``mbcdm solve`` on those that do not end in a pass. Exit 1 if one ends in a cycle, or if its advice is wrong.
 """
 
-from __future__ import annotations
-
 import argparse
 import copy
 import sys

@@ -7,8 +7,6 @@ is not too large; with names, those drives anew, and the others stay on the page
 what the drive is, what is published of it, what differs here and why, and what a look at the drawn drive shows.
 """
 
-from __future__ import annotations
-
 import re
 import sys
 from collections.abc import Iterator, Sequence

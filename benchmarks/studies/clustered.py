@@ -11,8 +11,6 @@ An error at one angle, or in one sweep, can be fitted well by effects that are n
 In that case the fit changes when one sector, or one sweep, is left out.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -6,8 +6,6 @@ Each shape is the drum of the design with another web; its mass is that of the d
 "Cost" counts the settings and cutters that the web needs: 1 turned, 2 with milled windows, 3 with small corners too.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterator
 from dataclasses import replace

@@ -6,8 +6,6 @@ Laws are drawn by seed: sizes, an exponent of the Stribeck part between 1 and 3,
 noise of the output encoder of up to two floors that no file declares. Rows that are there already are not run again.
 """
 
-from __future__ import annotations
-
 import time
 
 import numpy as np

@@ -8,8 +8,6 @@ input has 0.01 N m of friction behind its gearhead. The physics is that of the d
 file states the weight on its arm, wrong by 0.5 % (one standard deviation, as drawn); with ``--unstated`` it does not.
 """
 
-from __future__ import annotations
-
 import time
 from dataclasses import replace
 

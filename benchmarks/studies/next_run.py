@@ -8,8 +8,6 @@ judges both together. What happened in the first run stays: a cable that slipped
 on settling. Settled rightly: the true effect is named.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from itertools import count, islice
 

@@ -8,8 +8,6 @@ Values that the paper does not state are chosen here and listed in the result: s
 controllers, inertia of the plate, ripple of the motor. Nothing is fitted to the paper's figures.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise

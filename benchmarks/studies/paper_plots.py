@@ -3,8 +3,6 @@
 python -m benchmarks.studies.paper_plots [--out out/paper] [driving-capability | positioning | backlash]
 """
 
-from __future__ import annotations
-
 import argparse
 import io
 import json

@@ -11,8 +11,6 @@ have either sign has one drawn at random, with the size of that sign. A size is 
 member of a set that the data cannot separate; the aim is a share within 10 percentage points of the promised one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache

@@ -11,8 +11,6 @@ Seeds are tried upwards from ``--seed`` until ``--count`` of them pass the check
 their seeds; ``--only SEED`` runs one, ``--save DIR`` writes the design files. Exit 1 if anything failed.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time

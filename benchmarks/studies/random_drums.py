@@ -7,8 +7,6 @@ and scikit-fem (tests/requirements-solids.lock); half a minute a drum. A turn ma
 away from notches (tests/support/drum_solid.py) by 25 %.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from itertools import count, islice

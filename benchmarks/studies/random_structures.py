@@ -8,8 +8,6 @@ figures are estimates or beams, are the model's in both sums. Needs gmsh and sci
 (tests/requirements-solids.lock); half a minute a drive. A sum may differ by 10 %.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from itertools import count

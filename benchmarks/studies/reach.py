@@ -15,8 +15,6 @@ without a second edit. ``--prove`` tests for each file that does not pass whethe
 search, a minute for each file (miso_bevel only; the other layouts have only the bound).
 """
 
-from __future__ import annotations
-
 import argparse
 import copy
 import sys

@@ -6,8 +6,6 @@ The data are not part of the project; without them the script says where it look
 loop was written, on plots of the output over the input and of the load.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import sys

@@ -6,8 +6,6 @@ Tables of two masses in closed form, or of three with ``--second``: as designed,
 the design. Their noise in turn is what the loop does not expect: see ``KINDS``. A row of the file is a table.
 """
 
-from __future__ import annotations
-
 import tempfile
 import time
 from dataclasses import replace

@@ -6,8 +6,6 @@ A row has its figures before and today. Those before, when rules ended at streng
 names, only those files are sized anew.
 """
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

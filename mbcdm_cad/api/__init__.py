@@ -16,8 +16,6 @@ frames (``to_pandas``), if pandas is installed.
 The import is fast: the model, CAD and the loop are imported when they are first used.
 """
 
-from __future__ import annotations
-
 from mbcdm_cad.api.design import DriveDesign
 from mbcdm_cad.api.designs import (
     MeasuredRun,

@@ -4,8 +4,6 @@ A deep-groove bearing runs normally at a static safety of 1 and quietly at 2 (be
 one at both ends: its cables pull with well over 100 N, more than a gearhead of this size can carry.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

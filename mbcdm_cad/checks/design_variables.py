@@ -1,7 +1,5 @@
 """Parameters of a design that a remedy may change, under the names they have in the design file."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import fields, replace
 from functools import reduce

@@ -1,7 +1,5 @@
 """Drum sector: rim, web, hub, and the slot that the stop pin runs in."""
 
-from __future__ import annotations
-
 from math import asin, degrees, radians
 
 from mbcdm_cad.checks.comparison import TOLERANCE, Comparison, Findings, at_least, at_most, check, check_for, worst

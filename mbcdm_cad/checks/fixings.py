@@ -1,7 +1,5 @@
 """Joints that hold by friction or by a pin: clamp collar, set screws, stop pin; and stresses in pulley and shaft."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Geometry that several checks share: gaps in a plane, the space that the drum sweeps, distances between cables."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import combinations
 from math import cos, hypot, radians, sin, sqrt

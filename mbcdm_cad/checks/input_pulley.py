@@ -1,7 +1,5 @@
 """Input pulley, its stops and its coupling: bores, walls, and room for the parts on and around it."""
 
-from __future__ import annotations
-
 from mbcdm_cad.checks.bearings import carried_check, coupled_check
 from mbcdm_cad.checks.comparison import Check, Comparison, Findings, at_least, at_most, check, noted
 from mbcdm_cad.checks.design_variables import Adjustment, down, up

@@ -1,7 +1,5 @@
 """Motor head, encoder shelf and boss of a drive with one input: screws and access to them, walls, clearances."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from mbcdm_cad.checks.bearings import carried_check

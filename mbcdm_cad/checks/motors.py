@@ -5,8 +5,6 @@ rotation of the drum. Where ``limits.losses`` is ``counted``, all checks count t
 bearings; where it is ``paper``, losses only give the warning ``motor_losses``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import partial
 from math import ceil, degrees, isfinite

@@ -4,8 +4,6 @@ The checks of ratios use nominal radii, with a tolerance far below that of machi
 not of parts. The paper's design (D/d 14.8 at its smallest pulley) is below every rope maker's minimum for 7x7.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import Any

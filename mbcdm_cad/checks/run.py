@@ -4,8 +4,6 @@ A run never raises for a design that loads, and never returns NaN or infinity. A
 tried on the design. Only the one check is evaluated; the next run shows the effect of the change on the others.
 """
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Callable, Collection, Iterable
 from functools import cached_property

@@ -1,7 +1,5 @@
 """Mass and box against their targets, from the layout and of the drawn solids; and what only the build can measure."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any

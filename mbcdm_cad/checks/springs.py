@@ -1,7 +1,5 @@
 """Springs in the terminals: they fit, do not go flat or free, and move only at torques that the file accepts."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import suppress
 

@@ -4,8 +4,6 @@ The generic figure of the life may fail a wanted life, or warn of it; it never s
 (``life_anchor``) does.
 """
 
-from __future__ import annotations
-
 from math import ceil, exp, tau
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Stiffness and strength of what carries the cables' forces: drum, payload's joint, mounting, frame."""
 
-from __future__ import annotations
-
 from math import hypot, pi
 
 from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check, noted, worst

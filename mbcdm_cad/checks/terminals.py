@@ -1,7 +1,5 @@
 """Terminals on the drum: room, strength of studs and lugs, and their adjustment."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import combinations
 from math import acos, atan2, degrees, hypot

@@ -10,8 +10,6 @@ then give another turn than the model with the wraps that are there.
 Tolerances: run-out counts half its reading on each radius, play half its size to either side; the drum's bearings have
 no play, because a spring presses them apart."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from math import atan2, degrees, hypot

@@ -3,8 +3,6 @@
 Exit codes: 0 done, 1 a check failed, 2 bad input or a fault that you can correct, 130 interrupted, 141 output closed.
 """
 
-from __future__ import annotations
-
 import gc
 import os
 import sys

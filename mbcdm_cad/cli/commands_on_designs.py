@@ -3,8 +3,6 @@
 Each calls a function of :mod:`mbcdm_cad.api` and prints its result.
 """
 
-from __future__ import annotations
-
 import json
 import shlex
 import sys

@@ -1,7 +1,5 @@
 """The command ``mbcdm`` and what all commands share: options, examples on help pages, terminal, progress."""
 
-from __future__ import annotations
-
 import math
 import os
 import re

@@ -3,8 +3,6 @@
 Pages and published figures are imported inside: most runs need neither, and their templates take time to load.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass

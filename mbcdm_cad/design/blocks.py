@@ -7,8 +7,6 @@ and gives the reference values with their sources (:mod:`mbcdm_cad.design.loader
 fields are in :mod:`mbcdm_cad.design.rules` and in the configuration's rules.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal
 

@@ -4,8 +4,6 @@ Fields are declared with unit, bounds and meaning; pydantic validates those of a
 object made in Python is not validated. Units are those of the files: mm, N, grams, GPa.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from math import tau

@@ -1,7 +1,5 @@
 """Description of a field from its JSON Schema, for messages, the reference page and new files."""
 
-from __future__ import annotations
-
 import copy
 import json
 import re

@@ -4,8 +4,6 @@ time_s,angle_deg,torque_Nm
 0.0,0.0,1.2
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import re

@@ -1,7 +1,5 @@
 """Building blocks of the schema: strict number types and the one way of declaring a field."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, field
 from dataclasses import Field as DataclassField

@@ -4,8 +4,6 @@ The caller says which configuration the file has, and so its :class:`DesignFile`
 its design files: this room does not know the configurations (:mod:`mbcdm_cad.layouts.loader`). A design that was read
 is a :class:`LoadedDesign`."""
 
-from __future__ import annotations
-
 import copy
 import hashlib
 import json

@@ -1,7 +1,5 @@
 """Turn pydantic's errors into messages for the user, with file, line, value, limit and remedy."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

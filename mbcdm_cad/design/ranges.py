@@ -3,8 +3,6 @@
 A file with ranges is not yet a design: ``mbcdm solve`` finds the values; other commands refuse it and name ``solve``.
 Also values with a standard deviation: ``{value: 70.0, sigma: 3.0}``."""
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass

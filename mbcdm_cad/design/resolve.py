@@ -4,8 +4,6 @@ The package's entries are overridden by the design's own. Effects found on the b
 modulus, preload, friction. The others have no value in the design file: they stay in ``Drive.as_built``, and the loop
 predicts with them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache

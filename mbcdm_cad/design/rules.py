@@ -3,8 +3,6 @@
 A broken rule is bad input. Clearances, strength and travel are judged by the checks, not here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 

@@ -3,8 +3,6 @@
 As in :mod:`mbcdm_cad.design.blocks`, the reference values with their sources are the configurations' own.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 

@@ -4,8 +4,6 @@ Values that a file leaves out are estimates by kind, each with its source beside
 at the driven wheel, which sits on the input pulley's shaft.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """Texts written from the schema: a new design file, with unit, meaning and source beside each value; the reference."""
 
-from __future__ import annotations
-
 import copy
 import re
 import textwrap

@@ -4,8 +4,6 @@ Folders, devices and files that are too large are refused. PyYAML only scans and
 events, without recursion, so that depth, size and aliases are bounded as they come in. Scalars follow the YAML 1.2 core
 schema, less what people misread (octal, sexagesimal, ``yes``): those are refused, or stay text."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Arrangement of a sheet: positions of views and dimensions, scale and paper size."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import hypot, inf

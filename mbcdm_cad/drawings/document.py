@@ -3,8 +3,6 @@
 The font is DejaVu Sans from matplotlib, so that the text is the same on every machine.
 """
 
-from __future__ import annotations
-
 import io
 import re
 from collections.abc import Iterable, Iterator

@@ -1,7 +1,5 @@
 """Draw an arranged sheet: views, hatches, centre lines, dimensions, labels, cutting lines."""
 
-from __future__ import annotations
-
 from math import atan2, cos, degrees, hypot, radians, sin
 
 import numpy as np

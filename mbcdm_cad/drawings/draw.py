@@ -4,8 +4,6 @@ Text is drawn as outlines, so that a sheet looks the same on every machine; a PD
 Paths are in millimetres on paper.
 """
 
-from __future__ import annotations
-
 import hashlib
 import random
 import zlib

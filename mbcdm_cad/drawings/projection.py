@@ -3,8 +3,6 @@
 Strokes are lines, arcs and polylines; duplicates are joined, hidden ones under visible ones are removed.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence

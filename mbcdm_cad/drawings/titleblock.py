@@ -1,8 +1,6 @@
 """Frame, title block, tables and notes of a sheet; in a view labels where they cover nothing, feature control frames
 (ISO 1101), datums (ISO 5459)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from math import cos, hypot, radians, sin, tau

@@ -3,8 +3,6 @@
 The transfer point of a cable is (0, r, r_o), r its radius on the body before the drum.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial

@@ -1,7 +1,5 @@
 """Change fields of a design from a program; the result is validated like an edited file."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 

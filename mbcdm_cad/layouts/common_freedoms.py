@@ -1,7 +1,5 @@
 """What ``mbcdm solve`` may change in every configuration, besides derived dimensions: parts and preload."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import partial
 from typing import Any

@@ -1,7 +1,5 @@
 """Rules that every configuration has: limits, the rope's limits, clearances, materials; and required fields."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import Any
 

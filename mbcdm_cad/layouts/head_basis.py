@@ -1,7 +1,5 @@
 """The first rules of all layouts: limits, materials, motor and gearhead, the rope's limits."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from math import inf, pi
 from operator import itemgetter

@@ -1,7 +1,5 @@
 """Sizing rules that layouts share: shelves of the inputs, and the drum without its width."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import replace

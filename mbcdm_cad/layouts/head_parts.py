@@ -1,7 +1,5 @@
 """Rules by which all layouts choose bought parts: the lightest with which the checks pass."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from math import inf
 from typing import Any

@@ -1,7 +1,5 @@
 """Life of a design's cables: their zones, tensions and pulleys from the layout, and what helps most."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property

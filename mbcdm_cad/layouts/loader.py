@@ -1,7 +1,5 @@
 """Read, create and describe design files of any configuration; the field ``configuration`` of a file names it."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 from pathlib import Path
 from typing import Any

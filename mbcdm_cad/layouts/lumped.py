@@ -4,8 +4,6 @@ The compliance of each part is that of :func:`structure_of`, the shares and torq
 ``Layout.losses``. Slip on the wraps is not here.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import inf
 

@@ -4,8 +4,6 @@ Torque, speed, heat and back-driving fix only motor, gearhead and ratio together
 a larger drum. So whole drives are sized at round ratios, each with the train that its rules choose, and compared.
 """
 
-from __future__ import annotations
-
 import copy
 import marshal
 from collections.abc import Callable, Iterator, Mapping

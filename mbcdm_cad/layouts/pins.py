@@ -3,8 +3,6 @@
 Each piece of advice is tried before it is given: the field is taken out, its rule fills it, and the check runs again.
 """
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Iterable, Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """What a design's preload is made of, what more or less of it would do, and how the built drive measures its own."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import radians
 

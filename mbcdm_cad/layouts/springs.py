@@ -1,7 +1,5 @@
 """What springs in the terminals do to the drum's turn: nothing until slip on the drum has reached a terminal."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbcdm_cad.layouts.base import NoFigureError

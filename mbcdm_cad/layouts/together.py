@@ -5,8 +5,6 @@ once; the design is sized and checked again, and checks that then fail are treat
 Requirements of the file do not change.
 """
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass

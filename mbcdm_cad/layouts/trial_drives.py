@@ -4,8 +4,6 @@ Successive trials share most blocks, which are validated once. Many trials are t
 no value changes, the last trial of each field is the whole drive again.
 """
 
-from __future__ import annotations
-
 import marshal
 from collections.abc import Callable, Iterable, Mapping
 from math import inf

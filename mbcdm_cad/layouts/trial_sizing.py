@@ -4,8 +4,6 @@ Rules find the value at which checks pass by running them on a trial drive. It i
 for open fields, of their values from the previous pass. Passes are repeated until no field changes.
 """
 
-from __future__ import annotations
-
 import copy
 from abc import abstractmethod
 from collections.abc import Iterable, Mapping, Sequence

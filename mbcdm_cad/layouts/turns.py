@@ -5,8 +5,6 @@ The one place where cables and structure are put together. Cables as in
 (:mod:`mbcdm_cad.layouts.structure`) in series with them, linear.
 """
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass, replace
 from math import inf
 from typing import Any

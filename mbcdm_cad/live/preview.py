@@ -3,8 +3,6 @@
 The process keeps the kernel loaded and drops a job when a newer one waits.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import signal

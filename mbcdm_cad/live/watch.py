@@ -5,8 +5,6 @@ parts. A third process makes the complete build with its interference run; a new
 served over HTTP to this machine only, at a secret address.
 """
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import hmac

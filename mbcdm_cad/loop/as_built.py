@@ -1,7 +1,5 @@
 """The drive as built: write named effects into the design file."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

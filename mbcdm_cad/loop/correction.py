@@ -9,8 +9,6 @@ corrected whatever its cause. An error that depends on time, temperature or spee
 that were named and depend on these are subtracted from the data first, and listed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

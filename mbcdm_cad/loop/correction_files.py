@@ -1,7 +1,5 @@
 """The correction table as files for a controller: CSV, JSON and a C header with the function that reads it."""
 
-from __future__ import annotations
-
 import json
 
 from mbcdm_cad.loop.correction import DIRECTIONS, Correction

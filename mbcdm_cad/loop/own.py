@@ -1,7 +1,5 @@
 """What runs that differ on purpose have for themselves, as the result tells it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from math import exp, log
 from typing import Any

@@ -1,7 +1,5 @@
 """Figures of a result as text: the unit that suits a value follows from the ending of the figure's name."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

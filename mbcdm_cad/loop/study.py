@@ -1,7 +1,5 @@
 """The study file: runs of one drive with their dates, and what differs on purpose from run to run."""
 
-from __future__ import annotations
-
 import datetime
 from dataclasses import dataclass
 from pathlib import Path

@@ -6,8 +6,6 @@ time). Beside the covariance of the fit each run may scatter, as after a re-tens
 taken (G. Schwarz, Annals of Statistics 6 (1978)); its odds against no change are those of the two BIC.
 """
 
-from __future__ import annotations
-
 import datetime
 import io
 from collections.abc import Callable, Sequence

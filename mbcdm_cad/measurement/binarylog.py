@@ -8,8 +8,6 @@ holds becomes columns by name: ``/joint_states/position[shoulder]`` of a message
 Every quantity is then interpolated from its own times onto those of the output.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import importlib
 import json

@@ -11,8 +11,6 @@ A load that follows the sense of motion, as that of a brake, has its old size fo
 is made smaller between two rows, no row has this extreme, and the friction of the cables remembers it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

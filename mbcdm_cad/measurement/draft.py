@@ -4,8 +4,6 @@ Every guess is marked, with its reason, so that a person can check it. The outpu
 and place (at the pulley or on the motor, before the gearhead) follow from its angle for a given angle of the output.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections import Counter

@@ -1,7 +1,5 @@
 """A measurement file that fits its schema and the rules between its fields."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace

@@ -3,8 +3,6 @@
 A kind is one object. Reading and vetting ask :func:`kind_of` for it and nothing else about the kind.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path

@@ -10,8 +10,6 @@ of the load in it. Friction between gearhead and cables is in it too; the loop h
 Source: derived; the loss is that of a gearhead whose friction grows with the torque carried.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from math import exp, hypot, inf, sqrt

@@ -1,7 +1,5 @@
 """The format of a logger's file: separator, place of the names, first row of data; its units and their SI values."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections import Counter

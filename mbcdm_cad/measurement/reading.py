@@ -1,7 +1,5 @@
 """Read the data of a measurement file: convert to SI units, correct signs, refuse runs that cannot be used."""
 
-from __future__ import annotations
-
 import hashlib
 import math
 import re

@@ -1,7 +1,5 @@
 """The reference page of the measurement file in Markdown, written from its schema and the table of units."""
 
-from __future__ import annotations
-
 import jinja2
 
 from mbcdm_cad.design.describe import flow, limit_text

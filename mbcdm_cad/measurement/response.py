@@ -5,8 +5,6 @@ as repeated ones, and no window hides how many there are. With a column of the e
 the cross-spectra with it (instrumental variable), to which noise of the input does not matter; without one it is H1.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import permutations

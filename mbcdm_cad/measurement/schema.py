@@ -1,7 +1,5 @@
 """Schema of the measurement file: the content of each column of a logger's file, or values printed in a paper."""
 
-from __future__ import annotations
-
 import re
 from functools import cache, partial
 from typing import Any, Literal, get_args

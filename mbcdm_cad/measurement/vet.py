@@ -5,8 +5,6 @@ the difference of the inputs, and wound by their angle. Where the difference of 
 share of the preload from a cable, or the angle lies outside the travel, it is the counters' and not the drive's.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """What a run alone shows: faults of its signals, and what its travel, loads, sweeps and columns can and cannot show."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from itertools import permutations

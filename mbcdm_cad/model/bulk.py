@@ -7,8 +7,6 @@ the end of its thread, or a rope that must not be pulled so far, leaves less pre
 shows the effect. All preloads are lowered by the same share.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Any

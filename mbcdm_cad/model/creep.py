@@ -11,8 +11,6 @@ of bedding in, t0 = one hour. Limits: one tension along the whole rope, no varyi
 moves often loses less.
 """
 
-from __future__ import annotations
-
 from bisect import bisect_left
 from collections.abc import Iterable
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 A cycle is pieces of constant load and speed. A load above zero opposes positive rotation of the drum.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

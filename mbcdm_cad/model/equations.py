@@ -7,8 +7,6 @@ SI throughout; all arguments broadcast. T_h and T_l are the free-span tensions o
 T_pre the preload, mu the friction, EA the axial stiffness in N. Where the print is wrong ``as_printed=True`` gives it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -3,8 +3,6 @@
 Units are in the names. Angles of backlash are in mrad, torques on inputs in mN m, as a designer reads them.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import asdict, dataclass

@@ -16,8 +16,6 @@ angle at which the torques of its cables cancel. The friction of the cables depe
 found at each sample before the cables are moved.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

@@ -7,8 +7,6 @@ of it Reissner-Mindlin with assumed shear strains, so that neither thin nor stub
 shared by all plates that meet there. Units: mm, N, MPa, rad.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise

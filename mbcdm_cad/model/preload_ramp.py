@@ -16,8 +16,6 @@ posterior density, linear sigmas). Where the log has the way back too, the mean 
 friction but g F, and sets the scale.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -8,8 +8,6 @@ With ``winding`` the profiles move with the pulleys: cable wound on keeps the te
 is wound off.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple

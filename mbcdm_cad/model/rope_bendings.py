@@ -9,8 +9,6 @@ those of Feyrer, Wire Ropes; that D/delta is the variable follows from rope make
 found. A test of one's own (an anchor) replaces all of it but the exponents.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal, Protocol
 

@@ -5,8 +5,6 @@ the rope has there at that moment. All tangent points of a rope move along it to
 angle. What a pulley never gives up does not bend.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

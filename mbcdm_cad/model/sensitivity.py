@@ -1,7 +1,5 @@
 """Sensitivity of backlash and torque to the parameters, and their intervals where parameters have a sigma."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from string import ascii_lowercase

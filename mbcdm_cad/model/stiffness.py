@@ -4,8 +4,6 @@ The paper never prints E, so every E used here is calibrated on a measured backl
 1/E and the tensions do not depend on it, hence E = E_used theta(E_used)/theta_measured.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, Literal
 

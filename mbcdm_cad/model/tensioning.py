@@ -8,8 +8,6 @@ tensioned.
 Works on plain data of each cable; a configuration says what they are. SI throughout.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import cos, cosh, exp, pi, sin, sinh, sqrt

@@ -15,8 +15,6 @@ A contribution shifts the figure by ``per_unit * tolerance`` at either end of it
 between the other two, because parts spread over the whole tolerance are worse than RSS assumes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from math import isfinite, sqrt

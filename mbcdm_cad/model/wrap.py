@@ -7,8 +7,6 @@ The tension does not change on a body that the cable passes, unless its wrap is 
 bending stiffness is left out.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -18,8 +18,6 @@ point of the pulley at s from the middle of the wrap has the angle s - half in t
 second, half of the wrap at the start.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -13,8 +13,6 @@ generation are scouts, which try options that no good design has.
 A proposal depends on the seed and on what the engine was told, and on nothing else.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

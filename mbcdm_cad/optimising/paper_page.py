@@ -7,8 +7,6 @@ reads the reference design and the designs of ``params/optimum``, checks them, r
 built, and writes the page.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 from collections.abc import Iterator, Sequence

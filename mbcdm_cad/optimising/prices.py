@@ -1,7 +1,5 @@
 """What each requirement of a design costs: one at a time is moved a little, and the design is solved again."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -6,8 +6,6 @@ Which points are evaluated, and in which order, follows from the request alone; 
 order. A search that goes on asks the engine again from the start and takes from the journal what it has.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import time

@@ -4,8 +4,6 @@ A field with a rule keeps the value of its rule in the middle of its variable, s
 differ from their rules, and its file stays short.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass

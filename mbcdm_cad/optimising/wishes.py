@@ -1,7 +1,5 @@
 """What a search for the best design shall reach, the fields that it may set, and how long it may take."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 Candidates marked ``+`` are plausible (within the bounds below, estimates); a single figure cannot decide between them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from importlib.resources import files

@@ -4,8 +4,6 @@ A worker gets work only if it shows the state of the package that this process h
 so a result never depends on which worker found it. Workers may join and leave at any time.
 """
 
-from __future__ import annotations
-
 import logging
 import pickle
 from collections.abc import Callable, Generator, Sequence

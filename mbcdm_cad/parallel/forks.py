@@ -3,8 +3,6 @@
 The results, and their order, are the same on any number of workers; a worker that dies is replaced.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager

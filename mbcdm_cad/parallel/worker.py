@@ -3,8 +3,6 @@
 It says which state of the package it has, so that the scheduler gives it only work of the same state.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import mbcdm_cad

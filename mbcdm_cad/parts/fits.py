@@ -12,8 +12,6 @@ Checked against limits printed in ISO 286-2.
 
 Geometric tolerances (ISO 1101) and the datums that they refer to (ISO 5459), as plain data of a sheet."""
 
-from __future__ import annotations
-
 import re
 from bisect import bisect_left
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 The price of a drive is that of the material of its made parts and of the parts that are bought, by the catalogue.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from dataclasses import replace

@@ -4,8 +4,6 @@ The interference run draws hundreds of rods in separate processes. Loading cadqu
 kernel, and these processes need nothing else of it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import hypot, inf
 

@@ -6,8 +6,6 @@ Every dimension has its value, taken from the part's parameters, and the two poi
 engine refuses a sheet in which value and points disagree.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, Literal
 

@@ -1,7 +1,5 @@
 """Blocks of a sheet: tables, labels, marks and fits of holes; profile and dimensions of a turned part."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

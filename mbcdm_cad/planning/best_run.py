@@ -1,8 +1,6 @@
 """The best run that a bench can make: runs from a short list within its limits, with their predicted data, compared by
 the sizes from which each names an effect."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product

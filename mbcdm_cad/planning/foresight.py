@@ -5,8 +5,6 @@ model is quadratic in s, and follows from one Gram matrix of all whitened column
 an unknown cause integrated out. The noise makes the odds a noncentral chi-square.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise

@@ -6,8 +6,6 @@ integrated out, gives the probability to choose the wrong one (:mod:`mbcdm_cad.p
 Travel and load stay within those of the design and of the runs so far; motion and load come from a short list.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from itertools import permutations

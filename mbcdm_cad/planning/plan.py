@@ -5,8 +5,6 @@ The Jacobians, the noise and the evidence are those of the loop, on the planned 
 rivals too, is linear in the sizes, so valid for small effects.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property

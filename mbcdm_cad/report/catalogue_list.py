@@ -3,8 +3,6 @@
 The command line prints it, the Python API returns it.
 """
 
-from __future__ import annotations
-
 import ctypes.util
 import importlib.metadata
 import os

@@ -3,8 +3,6 @@
 The command takes a design file of each layout, whose figures the page states.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from functools import partial
 

@@ -1,7 +1,5 @@
 """The content of the report as plain data: report.json contains it, report.md is written from it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any

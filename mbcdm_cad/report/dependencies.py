@@ -4,8 +4,6 @@ Layers and positions come from networkx; within a column fields are ordered by t
 (Sugiyama's barycentre sweeps), so that few lines cross. The same records give the same bytes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise

@@ -3,8 +3,6 @@
 The report, the page and the graph of dependencies show the same records.
 """
 
-from __future__ import annotations
-
 import copy
 import textwrap
 from collections.abc import Iterator

@@ -6,8 +6,6 @@ writes ``docs/gallery.md`` and a picture of each drive below ``docs/pictures/gal
 build tests them for interference.
 """
 
-from __future__ import annotations
-
 import re
 import sys
 from collections.abc import Iterator, Sequence

@@ -1,7 +1,5 @@
 """Mass, centre of gravity and inertia of every item and of the whole, with the uncertainty from estimates."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass

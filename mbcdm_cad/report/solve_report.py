@@ -3,8 +3,6 @@
 The command line prints it, the Python API returns it.
 """
 
-from __future__ import annotations
-
 import shlex
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass

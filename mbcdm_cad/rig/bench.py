@@ -3,8 +3,6 @@
 The bench file has the limits of a bench, within which ``mbcdm plan --within`` proposes runs.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace

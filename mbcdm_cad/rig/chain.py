@@ -45,8 +45,6 @@ a reserve, the whole cable slips over the input, and no drum angle balances the 
 Place of a piece on the pulley: number k on the first side is number -k - 1 on the second.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

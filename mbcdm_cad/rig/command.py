@@ -1,7 +1,5 @@
 """The work of ``mbcdm simulate`` for both rigs: run the experiment, write its folder and picture, print a summary."""
 
-from __future__ import annotations
-
 import io
 from pathlib import Path
 

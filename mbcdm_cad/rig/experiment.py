@@ -3,8 +3,6 @@
 A result is written completely or not at all.
 """
 
-from __future__ import annotations
-
 import io
 from dataclasses import dataclass
 from pathlib import Path

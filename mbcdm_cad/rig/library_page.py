@@ -6,8 +6,6 @@ Writes ``experiments.md`` and ``pictures/experiments.png`` below the last folder
 difference in transmission error to the same run without any effect, with perfect sensors.
 """
 
-from __future__ import annotations
-
 import argparse
 from dataclasses import dataclass
 from pathlib import Path

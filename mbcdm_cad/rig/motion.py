@@ -4,8 +4,6 @@ Positive torque opposes positive rotation. A brake's torque follows the motion t
 drum angle from one side to the other): tau += 2 level dtheta / flank, held within the level.
 """
 
-from __future__ import annotations
-
 from math import pi
 from typing import Annotated, Literal
 

@@ -14,8 +14,6 @@ moves with the predicted drum angle (that of the inputs over the ratio), whose e
 corrected one sample later.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

@@ -6,8 +6,6 @@ elements that are springs up to a limit, where they slip, follow it in loops of 
 twice the curve of first loading (Masing). The limits are chosen, the stiffnesses follow by least squares above zero.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import pairwise
 from math import inf

@@ -5,8 +5,6 @@ compiler is found. It has what the elastic MJCF has, and the part of the gearhea
 design gives the same sources. Standard: fmi-standard.org, FMI 2.0.
 """
 
-from __future__ import annotations
-
 import io
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """Links, joints and cables of a design in SI, from its bill and its model; both robot formats are written from them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import radians

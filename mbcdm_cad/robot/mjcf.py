@@ -18,8 +18,6 @@ docs/robot-formats.md.
 The same mechanism gives the same bytes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from math import copysign

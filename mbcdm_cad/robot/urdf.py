@@ -1,7 +1,5 @@
 """URDF of a mechanism, plain or as an xacro macro, with a block for ros2_control. Frames: docs/robot-formats.md."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass

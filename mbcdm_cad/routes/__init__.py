@@ -5,8 +5,6 @@ A configuration describes its drive by :class:`~mbcdm_cad.routes.route.DriveRout
 spans and wraps when a length of the design varies. Model, rig and loop work only on these.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

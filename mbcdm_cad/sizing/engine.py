@@ -1,7 +1,5 @@
 """Runs sizing rules over the data of a design file."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from mbcdm_cad.design.rules import Broken

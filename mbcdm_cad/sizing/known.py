@@ -1,7 +1,5 @@
 """The data that a rule may read: the fields known so far and the catalogue. Every field that is read is recorded."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from functools import cache, cached_property

@@ -1,7 +1,5 @@
 """A sizing rule: how one field follows from others, and why."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import ceil, floor

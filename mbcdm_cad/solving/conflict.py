@@ -6,8 +6,6 @@ such a set, and a smallest one. If no single requirement is enough, the one that
 relaxed first, and the search is repeated for the others.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Guided search: try the remedies of the failing checks, then reduce the changes as far as the design passes."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from itertools import chain, pairwise
 

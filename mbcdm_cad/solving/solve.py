@@ -1,7 +1,5 @@
 """Find the nearest design that passes every check, or the requirements that exclude it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import ceil, exp, log

@@ -1,7 +1,5 @@
 """Evaluate a trial of a search: the checks that fail on it, and by how much."""
 
-from __future__ import annotations
-
 import os
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence

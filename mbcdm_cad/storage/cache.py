@@ -4,8 +4,6 @@ Equal inputs, code and versions have equal keys. The hash of the code is part of
 not use results of the old one: all of the code, since what a result follows from is not known in advance.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

@@ -5,8 +5,6 @@ function that it calls from another file changes. So the name of its folder cont
 numba takes longer to import than the whole of ``check``: only modules that are loaded for a time series import this.
 """
 
-from __future__ import annotations
-
 import hashlib
 import shutil
 import time

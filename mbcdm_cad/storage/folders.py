@@ -3,8 +3,6 @@
 ``manifest.json`` lists the files of a build, their input and the versions used.
 """
 
-from __future__ import annotations
-
 import ctypes
 import errno
 import hashlib

@@ -3,8 +3,6 @@
 Which part each point of a view shows is found from the meshes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 

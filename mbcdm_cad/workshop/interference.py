@@ -7,8 +7,6 @@ centred. Cables are tested against each other and against their own turns by the
 booleans fail on rods that touch. There is no list of exceptions.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import radians

@@ -1,7 +1,5 @@
 """Shapes of the CAD kernel: plain numbers from and for them, the volume two share, whether one is a valid solid."""
 
-from __future__ import annotations
-
 import io
 from collections.abc import Sequence
 from typing import Any

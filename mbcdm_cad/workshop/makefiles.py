@@ -1,7 +1,5 @@
 """Draw a part from its entry in the bill, and compute everything that a build needs from its solid."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Mesh solids into triangles with a chordal error that is measured and kept below its limit."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from functools import partial

@@ -1,7 +1,5 @@
 """Pictures for the person who assembles the drive: each assembly step, exploded view, section through the transfer."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

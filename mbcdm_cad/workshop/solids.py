@@ -1,7 +1,5 @@
 """Parts and the assembly as cadquery objects, for scripts and notebooks."""
 
-from __future__ import annotations
-
 import cadquery as cq
 
 from mbcdm_cad.design.drive import Drive

@@ -3,8 +3,6 @@
 The kernel is imported only when something has to be made.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import math

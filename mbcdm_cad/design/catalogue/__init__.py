@@ -3,8 +3,6 @@
 JSON, because every start of the program reads several files, and JSON is parsed ten times as fast as YAML. Entries are
 validated when they are looked up; a test validates them all."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from functools import cache

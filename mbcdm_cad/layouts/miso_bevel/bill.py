@@ -3,8 +3,6 @@
 This module needs no CAD kernel: if all parts are in the cache, a build draws nothing.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import pi, radians
 from typing import Any

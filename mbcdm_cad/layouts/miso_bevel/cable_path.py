@@ -8,8 +8,6 @@ Drawn state: the guide's arc lies in the plane z = r_ok, as it does after a move
 pulley; `guide_landing_walk_mm` gives how far it moves in a full sweep.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import acos, atan2, cos, degrees, exp, hypot, log, pi, radians, sin, sqrt, tau
 

@@ -1,7 +1,5 @@
 """The fields of a miso_bevel drive that other drives do not have: guide, steps and sides, and its parts."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import asin, cos
 from typing import Literal

@@ -6,8 +6,6 @@ Each function gives the contributions; with the nominal margin they make a
 half its size to either side; the drum's bearings have no play, because a spring presses them apart.
 """
 
-from __future__ import annotations
-
 from math import radians, tan, tau
 
 from mbcdm_cad.layouts.miso_bevel.cable_path import fleet_angle_deg, winding

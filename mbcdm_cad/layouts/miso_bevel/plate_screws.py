@@ -1,7 +1,5 @@
 """The screws that hold the top plate on the side walls."""
 
-from __future__ import annotations
-
 from math import hypot, sqrt
 from typing import NamedTuple
 

@@ -8,8 +8,6 @@ The swaged stop of each cable sits in a slot milled from the end face next to it
 is turned about Y by half a turn: (x, y, z) of the part are (-x, y, -z) there, and its lower end is above.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import hypot, pi, radians, tau

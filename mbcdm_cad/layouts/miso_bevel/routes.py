@@ -5,8 +5,6 @@ cable of step k changes from guide to drum at (0, r_gk, r_ok), along q x, q the 
 span is an internal tangent: seen along Z it leaves the line of centres by beta = asin((r_g + r_i)/L).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property

@@ -1,7 +1,5 @@
 """Sizing rules of miso_bevel, in the order of the drive; many evaluate checks on a trial drive (trial_sizing)."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace

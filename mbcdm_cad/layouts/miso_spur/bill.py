@@ -1,7 +1,5 @@
 """The bill of the assembly: that of siso_spur for each input, turned about the drum's axis, and the shared parts."""
 
-from __future__ import annotations
-
 from math import degrees, radians
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The checks of this layout: those of siso_spur for each input with its cable and sector, and those of all together."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from math import atan2, hypot, pi, tan
 from typing import NamedTuple

@@ -4,8 +4,6 @@ The sectors of all inputs are on one shaft, hub on hub, so that sectors and cabl
 with its input above the drum, each sector is that of siso_spur.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import tau
 

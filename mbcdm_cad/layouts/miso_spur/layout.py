@@ -1,7 +1,5 @@
 """The layout of Fig. 1 (b): two to four inputs evenly round one drum, each with its own cable."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cached_property
 from math import degrees

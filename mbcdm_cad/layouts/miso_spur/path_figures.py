@@ -3,8 +3,6 @@
 And the plan by which the preloads are set.
 """
 
-from __future__ import annotations
-
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.siso_spur.path_figures import SpurFigures, path_lines, tensioned_sides
 from mbcdm_cad.layouts.siso_spur.path_figures import path_figures as of_one_input

@@ -1,7 +1,5 @@
 """Sizing rules of miso_spur: those of siso_spur, for the share of one input, and names of inputs and cables."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from math import inf
 

@@ -1,7 +1,5 @@
 """The bill of the assembly: every part, every instance with its place."""
 
-from __future__ import annotations
-
 from math import radians
 from typing import Any
 

@@ -5,8 +5,6 @@ A cable runs: chord through the input pulley (swaged stop) - inward bend - arc o
 leave this plane.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import acos, atan2, cos, degrees, hypot, pi, radians, sin
 

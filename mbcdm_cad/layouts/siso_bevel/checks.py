@@ -1,7 +1,5 @@
 """The checks of this layout; the families in the order in which they run and are shown."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from math import degrees, inf, sqrt

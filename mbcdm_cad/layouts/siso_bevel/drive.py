@@ -1,7 +1,5 @@
 """The fields of a siso_bevel drive that other drives with a drum sector do not have: one input, its frame."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 

@@ -1,7 +1,5 @@
 """The layout of Fig. 1 (c): one stepped input pulley, straight onto the drum by a bevel transfer."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cached_property
 

@@ -5,8 +5,6 @@
 In the assembly it is turned about X by half a turn: (x, y, z) of the part are (x, -y, -z) there.
 """
 
-from __future__ import annotations
-
 from mbcdm_cad.layouts.siso_bevel.cable_path import TRANSFER_RAD, input_wrap_rad, stop_bend
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive, DirectRun
 from mbcdm_cad.layouts.siso_bevel.stack import DirectStack

@@ -7,8 +7,6 @@ EI leaves a pulley sqrt(EI/T) before the tangent point and touches the next one 
 its curvature decaying as e^(-s sqrt(T/EI))), so that a length 2 sqrt(EI/T) touches neither.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import sqrt

@@ -9,8 +9,6 @@ The drum's axis intersects the input's at height 0; the steps are at -r_o. The p
 shelves follow from the pulley, the drive from the shelves. All mm.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import sqrt
 

@@ -1,7 +1,5 @@
 """Bill of the assembly: every part, every instance with its placement."""
 
-from __future__ import annotations
-
 from math import radians, tau
 from typing import Any
 

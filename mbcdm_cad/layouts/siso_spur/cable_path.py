@@ -6,8 +6,6 @@ direction at any angle of the drum, and the landing points move along the drum t
 Beyond the last point that ever leaves the drum, the cable changes into the plane of its terminal.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from math import cos, pi, radians, sin, tan, tau

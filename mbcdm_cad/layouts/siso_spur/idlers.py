@@ -10,8 +10,6 @@ the tangent has the length L = sqrt(D^2 - R^2) and the direction t = (L D + R J 
 :mod:`mbcdm_cad.routes.route`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise

@@ -9,8 +9,6 @@ In section, y to the right (front):
             |     |
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Protocol

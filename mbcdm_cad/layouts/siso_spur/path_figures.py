@@ -3,8 +3,6 @@
 And the plan by which the preloads are set.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import atan2, degrees, pi, radians, tau

@@ -8,8 +8,6 @@ the end face next to the end of its winding.
 In the assembly the part is turned about X by a quarter turn: (x, y, z) of the part are (x, z, -y) there.
 """
 
-from __future__ import annotations
-
 from math import pi
 
 from mbcdm_cad.design.bought import Bearing

@@ -8,8 +8,6 @@ cables replace these sides: they are wound outwards from the points where their 
 along Y.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import cos, sin

@@ -8,8 +8,6 @@ From the back to the front; y = 0 is the middle of the winding on the input with
 Along the input's axis y counts as height from the gearhead (names in ``_z``), because its parts are drawn upright.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import inf
 

@@ -1,7 +1,5 @@
 """The attachment of belt or gears between the motor and an input."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 

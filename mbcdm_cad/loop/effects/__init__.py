@@ -1,7 +1,5 @@
 """The library of effects: each file of this folder that has a function ``offer`` is found without being listed."""
 
-from __future__ import annotations
-
 import pkgutil
 from collections.abc import Sequence
 from functools import cache

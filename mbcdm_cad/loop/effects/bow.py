@@ -1,7 +1,5 @@
 """A smooth bow in angle: runout of input and output together, a pulley that is not round, a nonlinear sensor."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbcdm_cad.loop.effect import Effect, Figure, Parameter

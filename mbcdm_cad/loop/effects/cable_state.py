@@ -1,7 +1,5 @@
 """Preload and friction of the cables, which determine how far the cables slip."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial

@@ -4,8 +4,6 @@ Before and after the change the cables are simulated over the whole run, and the
 the friction's memory is that of the new figure from the start, which holds from the first half sweep after the change.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial

@@ -11,8 +11,6 @@ Limits: linear in the load, one temperature. Source of the laws: Findley, Lai, O
 Viscoelastic Materials, 1976.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial

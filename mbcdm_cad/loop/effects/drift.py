@@ -1,7 +1,5 @@
 """Drift with time or temperature: warming, and settling of a rope."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 

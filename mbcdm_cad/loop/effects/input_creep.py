@@ -6,8 +6,6 @@ its direction the drum moves further in every cycle. When this begins and how fa
 (:mod:`mbcdm_cad.model.wrap_profile`).
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import degrees, pi
 

@@ -1,7 +1,5 @@
 """Play: the side in contact follows the sign of the transmitted torque; where friction decides, a play operator."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import partial
 

@@ -5,8 +5,6 @@ A class of 1 % allows 1 % of gain and a zero of 1 % of the range. What lies with
 whole drive, so only the others are candidates of the search.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """A reading that walks with the path travelled: a counter that loses counts, a coupling that slips at each stroke."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from mbcdm_cad.loop.effect import Effect, Parameter

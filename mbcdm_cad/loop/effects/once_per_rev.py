@@ -6,8 +6,6 @@ eccentric encoder reads its own shaft wrongly by a wave of the shaft's angle; tw
 tilted, a magnet whose field is not round, or two read heads that do not match.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial

@@ -1,7 +1,5 @@
 """Rope that creeps on the bodies it passes: in the declared model the tension passes a guide without slip."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from mbcdm_cad.loop.effect import Effect, Parameter

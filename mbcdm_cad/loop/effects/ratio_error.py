@@ -1,7 +1,5 @@
 """A wrong pitch radius or encoder scale: both have the same signature, proportional to the angle."""
 
-from __future__ import annotations
-
 from mbcdm_cad.loop.effect import Effect, Parameter
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.model.si import DriveSI

@@ -1,7 +1,5 @@
 """A periodic error in angle whose order is not known beforehand."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial

@@ -1,7 +1,5 @@
 """An anchor or a mount that slipped once: a step in time."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import partial
 

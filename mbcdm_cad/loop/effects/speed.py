@@ -1,7 +1,5 @@
 """Effects in proportion to the speed: a late sensor, a viscous drag."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 

@@ -1,7 +1,5 @@
 """Modulus or free length of the rope, which scale the hysteresis loop; or a soft shaft, which adds no hysteresis."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from mbcdm_cad.loop.effect import Effect, Parameter, Words

@@ -1,7 +1,5 @@
 """Cable wound on under load keeps its tension and brings it back when it is wound off."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from mbcdm_cad.loop.effect import Effect, Parameter

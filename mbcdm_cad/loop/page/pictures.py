@@ -1,7 +1,5 @@
 """Pictures of the loop's page, for too many points, and its interactive charts as plain data."""
 
-from __future__ import annotations
-
 from io import BytesIO
 from typing import Any
 

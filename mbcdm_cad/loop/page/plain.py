@@ -3,8 +3,6 @@
 Figures are rounded to the digits that their intervals support.
 """
 
-from __future__ import annotations
-
 import math
 
 from mbcdm_cad.loop.readable import Value, probability_text, size_of

@@ -1,7 +1,5 @@
 """The loop's page for the bench: one HTML file that needs no other file and no network."""
 
-from __future__ import annotations
-
 from base64 import b64encode
 from collections.abc import Sequence
 from typing import Any

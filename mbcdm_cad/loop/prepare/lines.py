@@ -1,7 +1,5 @@
 """Orders in angle: the part of a residual that repeats N times for a turn of the drum."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any
 

@@ -3,8 +3,6 @@
 Every window follows from the data.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,8 +1,6 @@
 """Readings by hand made ready for the model: of a table of turning points the path from row to row, of which only the
 rows are compared; of creep at rest the course of time."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 

@@ -12,8 +12,6 @@ limits the thinning; beyond it whole stretches are left out. The friction depend
 stretch, so the turning points of the part that is left out are simulated before the next stretch.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """What the result reports of a fit: errors on data held back, intervals, limits of the runs, next steps, traces."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 

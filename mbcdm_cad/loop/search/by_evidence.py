@@ -8,8 +8,6 @@ one effect, each with its share of the posterior, makes its credible set: the fe
 (G. Wang and others, J. R. Stat. Soc. B 82 (2020) 1273).
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

@@ -6,8 +6,6 @@ the readings differ by. Every candidate is refitted on all readings; the error i
 names that were found fitted to the others.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property

@@ -1,8 +1,6 @@
 """Few readings: their noise (what those that repeat each other scatter by, or what a line or a curve leaves), what is
 left and on what it hangs, what they cannot test, their pictures."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

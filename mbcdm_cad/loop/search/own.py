@@ -1,7 +1,5 @@
 """Values that runs have for themselves: where their fits begin, their figures, and whether they changed, with odds."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -3,8 +3,6 @@
 The search and its evidence know nothing else of a run. :class:`LogProblem` is that of a log of a motion.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

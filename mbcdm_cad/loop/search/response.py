@@ -5,8 +5,6 @@ a second mode. They are found as those of a table by hand (:mod:`mbcdm_cad.loop.
 lines as readings. What sensors, law and structure may be wrong by is in every fit, with its class as prior.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Candidates for an addition to a fit, each with the fall of the sum of squares by one linear step from its start."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor

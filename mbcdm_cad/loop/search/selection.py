@@ -5,8 +5,6 @@ another is put in the place of one where that is likelier. What may stand in the
 of the posterior, makes its credible set.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace

@@ -6,8 +6,6 @@ not count. A time does not occur twice: for a drift in time, sectors of angle ar
 not repeat is noise; it is none of a sensor where its size hangs on load, speed or time.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any

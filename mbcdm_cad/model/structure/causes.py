@@ -8,8 +8,6 @@ the drum that this part causes (Castigliano; unit loads). Units: mm, N, MPa; loa
 per N m.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise

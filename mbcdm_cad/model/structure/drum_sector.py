@@ -9,8 +9,6 @@ held on the shaft radially and free to turn. docs/structure.md compares this wit
 Units: mm, N, MPa; results in urad per N m and MPa.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache

@@ -8,8 +8,6 @@ fast its fibres lean (a, b): a point at the height h above the plane moves in it
 MPa.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache
 from typing import NamedTuple

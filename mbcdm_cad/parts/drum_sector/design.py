@@ -1,7 +1,5 @@
 """The part of ``Drive`` shared by drives whose cables end on a drum sector, and how its blocks are resolved."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import inf, radians

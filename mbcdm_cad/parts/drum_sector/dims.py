@@ -3,8 +3,6 @@
 The payload is screwed on the hub's face: its screws press it on, so that friction carries the torque. Last the drum as
 the model of its stiffness sees it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property

@@ -1,7 +1,5 @@
 """The drum with all parts that turn with it, and the cables, as items of a bill."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from math import atan2, cos, degrees, pi, radians, sin

@@ -1,7 +1,5 @@
 """Sheet of the drum sector."""
 
-from __future__ import annotations
-
 from math import cos, degrees, radians, sin, tau
 
 from mbcdm_cad.parts import sheet

@@ -6,8 +6,6 @@ web              |======|                          between a cable's flank and t
 hub      |==============================......|    hub face: the output
 """
 
-from __future__ import annotations
-
 from math import asin, atan2, degrees, hypot, radians, sin, sqrt, tan
 
 from mbcdm_cad.parts.drum_sector import dims

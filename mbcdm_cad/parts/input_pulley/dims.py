@@ -4,8 +4,6 @@ A cable wound in a helix ends in an inward bend and a chord with the swaged stop
 the end face next to the winding's end: the slot bends the cable inward round a radius and ends in a pocket that the
 stop cannot leave."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import acos, atan2, ceil, cos, degrees, floor, hypot, pi, sin, sqrt, tau
 

@@ -1,7 +1,5 @@
 """Input pulley: two steps, smooth or grooved, journals for bearings and encoder, slit bore for the gearhead's shaft."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace

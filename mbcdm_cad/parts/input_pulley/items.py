@@ -1,7 +1,5 @@
 """An input as items of a bill: pulley, clamp collar, stops of its cables; the motor with its gearhead, or alone."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import cos, degrees, sin
 

@@ -10,8 +10,6 @@ Along Z, from the flange on the frame to the gearhead, the axis at x = y = 0. He
 in the opposite direction, from the gearhead.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import floor, sqrt

@@ -4,8 +4,6 @@ The data describe everything (bodies with axis and ratio, cables as sampled cent
 configuration. Lengths in mm, in the frame of the mechanism.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, radians, sqrt

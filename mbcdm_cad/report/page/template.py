@@ -1,7 +1,5 @@
 """What all pages share: templates, styles, scripts, and tables and bars prepared from the report's data."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from functools import cache

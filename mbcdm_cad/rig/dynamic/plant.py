@@ -21,8 +21,6 @@ what the cables pull, M the torque motor's torque (> 0 opposes positive rotation
 possible one, so that a step of any length is stable; a longer one only damps the fast modes more.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -5,8 +5,6 @@ At the input the rotor counts with the square of the gearhead's ratio, which is 
 SI throughout; inputs are positive when they drive the drum positive, a load torque when it opposes positive rotation.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 from mbcdm_cad.design.drive import Drive

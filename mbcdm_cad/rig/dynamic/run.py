@@ -3,8 +3,6 @@
 Equations are in :mod:`mbcdm_cad.rig.dynamic.plant`, the loop over time in :mod:`mbcdm_cad.rig.dynamic.run`.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from math import exp, pi

@@ -1,7 +1,5 @@
 """Run an experiment file on the dynamic rig; the result is a run and its truth."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import isfinite
 from typing import Any

@@ -20,8 +20,6 @@ backward the motor has to hold (2 - 1/efficiency) of the load; at an efficiency 
 The load: an inertia, a brake that can stick, a torque motor without a control loop.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import exp, pi, radians
 

@@ -4,8 +4,6 @@ Each effect is a block of the experiment file whose field ``effect`` names it. I
 bench and adds an entry to the truth.
 """
 
-from __future__ import annotations
-
 from typing import Annotated
 
 from pydantic import Field

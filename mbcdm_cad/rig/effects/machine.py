@@ -1,7 +1,5 @@
 """Effects of what surrounds the cables: friction of bearings and brake, motor and gearhead, encoders."""
 
-from __future__ import annotations
-
 from math import radians
 from typing import Annotated, Literal
 

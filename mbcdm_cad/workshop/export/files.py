@@ -9,8 +9,6 @@ no zero has a sign, and each entity stands on one line.
 Written by hand: the format's core is one XML file in a ZIP, and no library keeps time stamps out of both.
 """
 
-from __future__ import annotations
-
 import html
 import io
 import json

@@ -3,8 +3,6 @@
 A moving picture is a GIF of an assembly whose drum swings through its travel.
 """
 
-from __future__ import annotations
-
 import ctypes
 import io
 import math

@@ -1,7 +1,5 @@
 """The joint fit: what is simulated and what is not, and that a short cut ends where the long way does."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The noise floor from the data: what does not repeat is noise, with its parts, and what repeats is not."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

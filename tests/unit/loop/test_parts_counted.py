@@ -2,8 +2,6 @@
 
 The runs are the rig's, which takes the figures of the parts from the design and does its own mechanics."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The samples on which the cables are simulated: what lies between them is as if every sample were simulated."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Tables of turning points: benches made here, coarse gauges, missing rows, noise nobody declared."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

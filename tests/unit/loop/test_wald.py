@@ -1,7 +1,5 @@
 """Clustered tests hold their level on residuals that repeat in angle or wander; plain ones do not."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm

@@ -1,7 +1,5 @@
 """What ordinary benches do, on runs written by hand: numbers only, none of the loop's own code makes them."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A plan's promises: what it says will be named is named, what it says is too small is not, rivals are rivals."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from pathlib import Path

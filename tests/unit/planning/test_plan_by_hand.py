@@ -1,7 +1,5 @@
 """A plan of readings by hand keeps its promise: what it says will be named is named, half of it is not."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

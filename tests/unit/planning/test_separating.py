@@ -1,7 +1,5 @@
 """What a planned run would tell apart: ratio from the drum's first order only over a long travel."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from types import SimpleNamespace
 

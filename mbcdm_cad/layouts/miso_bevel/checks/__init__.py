@@ -1,7 +1,5 @@
 """The checks of this layout; the families in the order in which they run and are shown."""
 
-from __future__ import annotations
-
 from mbcdm_cad.checks import drum_sector, fixings, motors, springs, strength, structure, terminals
 from mbcdm_cad.checks.comparison import Check, Family, families
 from mbcdm_cad.checks.design_variables import down, up

@@ -5,8 +5,6 @@ no part of it lies nearer to the frame than the zone's y. Drives are cylinders a
 travel.
 """
 
-from __future__ import annotations
-
 from math import hypot, sqrt
 from typing import NamedTuple
 

@@ -3,8 +3,6 @@
 A gap smaller than this sum may vanish in a built drive.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import partial
 from math import ceil, cos, floor, hypot, radians, sin, sqrt, tan, tau

@@ -1,7 +1,5 @@
 """Frame and top plate: engagement and access of screws, flat seats for their heads, room for drives and pulleys."""
 
-from __future__ import annotations
-
 from math import hypot
 
 from mbcdm_cad.checks.comparison import Findings, at_most, check

@@ -1,7 +1,5 @@
 """Frame and top plate: walls that can be made, and enough metal round and between all holes."""
 
-from __future__ import annotations
-
 from mbcdm_cad.checks.comparison import Findings, check
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, inside_rounded_rectangle, web_between

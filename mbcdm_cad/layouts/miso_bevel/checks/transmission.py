@@ -5,8 +5,6 @@ and r_g4. The cables pull each input pulley with well over 100 N, more than a ge
 has a bearing at both ends.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -4,8 +4,6 @@
 blocks that all configurations share are in ``reference.json``.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, Literal

@@ -22,8 +22,6 @@ shelf in the two lower pockets:
     |=======================|   lowest shelf
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from mbcdm_cad.design.bought import InsertSpec

@@ -1,7 +1,5 @@
 """Frame: one block, milled from the front in four pockets, bored for the drum's shaft along Y; its sheet."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -3,8 +3,6 @@
 On it are the encoders or, with motors above, a coupling box for each gearhead, in one piece with the plate.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """The design file of miso_spur: the blocks of siso_spur with several inputs and cables, its rules, its drive."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Literal

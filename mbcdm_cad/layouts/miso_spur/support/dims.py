@@ -1,7 +1,5 @@
 """Dimensions of the frame: one plate with the drum's boss, and for each input an arm with the yoke of siso_spur."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import cos, radians, sin
 

@@ -6,8 +6,6 @@ only bend less (a structure with more constraints stores less energy under the s
 inputs the sum is an upper bound.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 
 from mbcdm_cad.layouts.base import FrameCompliance, FrameStudy

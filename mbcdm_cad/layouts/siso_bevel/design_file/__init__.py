@@ -3,8 +3,6 @@
 Reference values of shared blocks are in ``reference.json``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Literal

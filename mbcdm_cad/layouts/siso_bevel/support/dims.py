@@ -15,8 +15,6 @@ Seen from the front (x across, z up), heights as in the assembly:
        (   boss   )     drum bearings, drum encoder from behind
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive

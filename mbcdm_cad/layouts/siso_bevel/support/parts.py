@@ -1,7 +1,5 @@
 """Frame: one block, milled from the front in three pockets, bored for drum and input."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -7,8 +7,6 @@ axis goes through the gearhead into the motor head. Assumptions as in docs/decis
 column's foot from the boss to its lower pocket counts as one block.
 """
 
-from __future__ import annotations
-
 from math import pi
 
 import numpy as np

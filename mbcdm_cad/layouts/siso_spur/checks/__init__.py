@@ -1,7 +1,5 @@
 """The checks of this layout; the families in the order in which they run and are shown."""
 
-from __future__ import annotations
-
 from mbcdm_cad.checks import bearings, drum_sector, fixings, motor_head, motors, springs, strength, structure, terminals
 from mbcdm_cad.checks.comparison import Family, families
 from mbcdm_cad.layouts.siso_spur.checks import idlers, overhung, room, stage, support, winding, wraps

@@ -4,8 +4,6 @@ An idler turns freely, so that friction holds no load on it: the tensions on bot
 bearings alone, which the rope's friction on its wrap must overcome.
 """
 
-from __future__ import annotations
-
 from itertools import combinations
 from math import exp, hypot
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Input pulley on the motor's shaft: load of its bearings, stress and sag of the shaft, grip, the motor's seat."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbcdm_cad.checks.bearings import LESS, input_reactions

@@ -1,7 +1,5 @@
 """Gaps between turning and fixed parts, several sectors on one shaft, and the box compared with its target."""
 
-from __future__ import annotations
-
 from math import hypot, pi
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Stages before the drive: belt or gears between motor and input; and a first cable stage, with the shaft it turns."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import partial
 from math import ceil, degrees, pi

@@ -1,7 +1,5 @@
 """Frame: walls thick enough to be made, metal round its holes, space for pulley, drum and screws."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 from typing import Any
 

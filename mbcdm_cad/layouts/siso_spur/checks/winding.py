@@ -6,8 +6,6 @@ creeps over the slip angle of its side. If a part in the middle sticks and stays
 this creep does not accumulate. If the travel unwinds that part, the cable moves on a little in every cycle.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import pairwise
 from math import asin, ceil, degrees, log, tau

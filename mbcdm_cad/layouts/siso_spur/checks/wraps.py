@@ -4,8 +4,6 @@ Both ends of the cable are fixed to the drum. A wrap shorter than the slip zone 
 are no longer valid.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from math import cos, hypot, inf, sin
 

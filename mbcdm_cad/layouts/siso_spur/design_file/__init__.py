@@ -1,7 +1,5 @@
 """The design file of siso_spur: what the loader needs to read it, and a short file to start from."""
 
-from __future__ import annotations
-
 from mbcdm_cad.design.loader import DesignFile, LazySizing
 from mbcdm_cad.layouts.siso_spur.design_file.resolve import broken_rules, drive, named_entries
 from mbcdm_cad.layouts.siso_spur.design_file.schema import REFERENCE, SpurDesign

@@ -1,7 +1,5 @@
 """Rules of a siso_spur design file, and the drive of a valid one, with catalogue entries in place of names."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import Any
 

@@ -3,8 +3,6 @@
 Reference values of shared blocks are in ``reference.json``.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, Literal

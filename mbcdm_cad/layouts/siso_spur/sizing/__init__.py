@@ -4,8 +4,6 @@ Many rules evaluate checks on a trial drive, whose open fields have the values o
 until no field changes; the first one starts with the values of a drive of medium size.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import partial
 from typing import Any

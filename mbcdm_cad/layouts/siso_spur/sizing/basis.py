@@ -1,7 +1,5 @@
 """The first rules: names, limits, materials, motor and gearhead, radii, rope, preload and turns."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 from math import degrees, inf, log

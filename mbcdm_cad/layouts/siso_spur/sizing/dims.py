@@ -1,7 +1,5 @@
 """Rules of dimensions: frame, drum and idlers; each value is the smallest with which its checks pass."""
 
-from __future__ import annotations
-
 from math import hypot
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Rules of a first cable stage: how the ratio is split, and its motor and gearhead."""
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Callable
 from dataclasses import replace

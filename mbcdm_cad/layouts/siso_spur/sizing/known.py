@@ -1,7 +1,5 @@
 """What the sizing rules of siso_spur read: fields, catalogue, and results of checks on a trial drive."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from mbcdm_cad.design.bought import Gearhead

@@ -1,7 +1,5 @@
 """Rules of a belt or gears between motor and input: ratio, profile or module, teeth, width, distance of the axes."""
 
-from __future__ import annotations
-
 from math import ceil, pi
 from typing import Any
 

@@ -13,8 +13,6 @@ In section, y to the right (front), z up:
        | boss  |               drum bearings, drum encoder behind
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from math import ceil, pi, tan
 

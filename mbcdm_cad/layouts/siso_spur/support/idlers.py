@@ -11,8 +11,6 @@ In section through the axis of a pair, y to the right (front), z up; the cables 
 Idlers of cables in parallel follow each other on one longer axle, with a spacer between two.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -11,8 +11,6 @@ share the load by statics alone: that its housing stiffens the window is left ou
 drum and one below, form one mesh.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from math import pi
