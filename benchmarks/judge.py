@@ -4,6 +4,7 @@
     python -m benchmarks.judge --check --all --workers 2    # all of it
     python -m benchmarks.judge --write --all --workers 2    # judge, and write the table and docs/validation.md anew
     python -m benchmarks.judge --only "rig one,chain several: lash"
+    python -m benchmarks.judge --fresh 613 --runs 400 --rows rows.jsonl    # benches with seeds that nobody has seen
 
 The cases are in benchmarks/judge_cases.py, the table in benchmarks/judge.jsonl, one line a case. ``--check`` fails
 where a class of cases (its source and kind) has fewer runs right or in a set than the same cases in the table, or more
@@ -23,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.judge_cases import Case, cases
+from benchmarks.judge_cases import Case, cases, fresh
 from benchmarks.study import ROOT, Row, add_workers, read_rows, run_many
 from tests.support.bench_score import label, odds_of, outcome_of, said_of, score_of, share, values_of
 
@@ -209,12 +210,16 @@ def main() -> int:
     parser.add_argument("--all", action="store_true", help="all cases, not the part of continuous integration")
     parser.add_argument("--only", default="", help="beginnings of 'source kind: name', with commas")
     parser.add_argument("--rows", type=Path, help="rows of a run that was stopped; those in it are not judged again")
+    parser.add_argument("--fresh", type=int, default=0, metavar="SEED", help="judge benches with seeds of their own")
+    parser.add_argument("--runs", type=int, default=400, help="how many of them")
     add_workers(parser)
     options = parser.parse_args()
     if options.page:
         PAGE.write_text(page(read_rows(TABLE)), "utf-8")
         return 0
     known = cases() if options.all or options.only else part_of(cases())
+    if options.fresh:
+        known = fresh(options.fresh, options.runs)
     words = tuple(options.only.split(","))
     chosen = [case for case in known if f"{case.source} {case.kind}: {case.name}".startswith(words)]
     rows = read_rows(options.rows)

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from itertools import count
 from pathlib import Path
+from random import Random
 from typing import Any
 
 import numpy as np
@@ -153,9 +154,29 @@ def _kind(source: str, name: str) -> str:
     ]
 
 
+def fresh(first_seed: int, runs: int) -> list[Case]:
+    """Benches of the rig, the chain and all layouts with seeds of their own, mixed, so that any part of them is fair.
+
+    ``first_seed`` times 1000 is the first seed: who asks for a seed that nobody asked for has runs that nobody saw.
+    """
+    known = [case for case in cases() if case.source in ("rig", "chain", "layouts")]
+    random = Random(first_seed)
+    found: list[Case] = []
+    while len(found) < runs:
+        for case in random.sample(known, len(known)):
+            seed = 1000 * first_seed + 4 * len(found)
+            if case.source == "chain":
+                seed = _seed(case.name.removesuffix(" changes"), seed)
+            # The remainder of the case's seed is its layout.
+            found.append(replace(case, seed=seed + (case.seed % 4 if case.source == "layouts" else 0)))
+    return found[:runs]
+
+
 def _of_rig(case: Case) -> Made:
     drive = reference()
     experiment = read_experiment(LIBRARY / f"{case.name}.yaml")
+    if case.seed:
+        experiment = experiment.model_copy(update={"seed": case.seed})
     assert isinstance(experiment, Experiment), "the library holds quasi-static experiments"
     simulated = simulate(drive, experiment)
     with tempfile.TemporaryDirectory() as folder:
@@ -226,10 +247,10 @@ def _of_plan(case: Case) -> Made:
 MAKERS = {"rig": _of_rig, "chain": _of_chain, "quiet": _of_quiet, "layouts": _of_layouts, "plan": _of_plan}
 
 
-def _seed(name: str) -> int:
+def _seed(name: str, first: int = CHAIN_SEED) -> int:
     """The first seed whose bench is short and logs slowly."""
     key = f"real/{name}"
-    for seed in count(CHAIN_SEED):
+    for seed in count(first):
         plan = REAL_CASES[name].plan(stream(key, seed, "plan"))
         if plan.duration_s <= DURATION_S and draw_traits(stream(key, seed, "traits")).rate_hz <= MOST_RATE_HZ:
             return seed
