@@ -27,11 +27,6 @@ class CableBacklash:
     high_simplified_N: Floats
     backlash_simplified_rad: Floats
 
-    @property
-    def simplification_error(self) -> Floats:
-        """(simplified - exact)/exact of theta_b: the error of setting kappa = 0 in (14)."""
-        return np.asarray(self.backlash_simplified_rad / self.backlash_rad - 1.0)
-
 
 def cable_backlash(d: DriveSI, load_Nm: Any) -> CableBacklash:
     """Each cable alone, as the paper does: one input's share of the load on a pair of its radii. Sign of M ignored."""

@@ -5,8 +5,8 @@ The results, and their order, are the same on any number of workers; a worker th
 
 import os
 from collections.abc import Callable, Generator, Iterator, Sequence
-from contextlib import contextmanager
-from types import TracebackType
+from contextlib import ExitStack, contextmanager
+from types import FrameType, TracebackType
 from typing import Any, Protocol, Self, TypeVar
 
 from mbcdm_cad.errors import MbcdmError
@@ -69,7 +69,8 @@ def forked(
     assert _work is None, "fork_map within fork_map"
     _work = (function, arguments)
     try:
-        with multiprocessing.get_context("fork").Pool(min(jobs, len(arguments)), begin_worker) as pool:
+        fork = multiprocessing.get_context("fork")
+        with _one_interrupt(_go_on), fork.Pool(min(jobs, len(arguments)), begin_worker) as pool:
             pending = [pool.apply_async(_call, (index,)) for index in range(len(arguments))]
 
             def results(look: Callable[[], None] = _go_on, first: int | None = None) -> list[Result]:
@@ -156,6 +157,7 @@ class LocalCrew:
         self._function = function
         self._workers = workers if may_fork() else 1
         self._pool: Any = None
+        self._interrupts = ExitStack()
 
     def results(self, arguments: Sequence[Any]) -> Generator[Any, None, None]:
         """As of :class:`Crew`."""
@@ -199,30 +201,28 @@ class LocalCrew:
                 signal.pthread_sigmask(signal.SIG_SETMASK, before)
         return self._pool
 
-    def close(self) -> None:
-        """Kill the processes: nobody waits for what they still do. A further interrupt meanwhile does not count."""
-        if self._pool is None:
-            return
-        with _uninterrupted():
-            pool, self._pool = self._pool, None
-            # Python has a public name for these processes from 3.14 on (kill_workers).
-            processes = tuple(pool._processes.values())
-            pool.shutdown(wait=False, cancel_futures=True)
-            for process in processes:
+    def _kill(self) -> None:
+        if self._pool is not None:
+            # Python has a public name for these processes from 3.14 on (kill_workers); after its end a pool has none.
+            for process in tuple((self._pool._processes or {}).values()):
                 process.kill()
-            pool.shutdown(wait=True)
 
-    def __del__(self) -> None:
-        """End the processes, should an interrupt have come before the ``with`` block could."""
-        self.close()
+    def close(self) -> None:
+        """Kill the processes: nobody waits for what they still do."""
+        self._kill()
+        if self._pool is not None:
+            self._pool.shutdown(wait=True)
+        self._pool = None
 
     def __enter__(self) -> Self:
         """The workers themselves; they start with the first work."""
+        self._interrupts.enter_context(_one_interrupt(self._kill))
         return self
 
     def __exit__(self, *_: object) -> None:
         """End the processes."""
         self.close()
+        self._interrupts.close()
 
 
 def killed_again(attempts: int) -> MbcdmError:
@@ -233,15 +233,29 @@ def killed_again(attempts: int) -> MbcdmError:
 
 
 @contextmanager
-def _uninterrupted() -> Iterator[None]:
-    """Ignore the keyboard's interrupt; only the main thread ever gets it."""
+def _one_interrupt(first: Callable[[], None]) -> Iterator[None]:
+    """The keyboard's first interrupt calls ``first`` and is raised then; further ones are ignored until the end.
+
+    ``first`` must leave nothing that Python waits for at its end: a second interrupt that came before a ``with`` block
+    could end its processes left them at their work. Only the main thread ever gets interrupts.
+    """
     import signal
     import threading
 
-    if threading.current_thread() is not threading.main_thread():
+    before = signal.getsignal(signal.SIGINT)
+    if not callable(before) or threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    told = False
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        nonlocal told
+        first()
+        if not told:
+            told = True
+            before(number, frame)
+
+    signal.signal(signal.SIGINT, interrupt)
     try:
         yield
     finally:

@@ -79,11 +79,6 @@ class Thread:
         return self.nominal_mm - 0.75 * _TRIANGLE * self.pitch_mm
 
     @property
-    def minor_diameter_mm(self) -> float:
-        """D1 = d - 2 (5/8) H, of the inside thread (ISO 724)."""
-        return self.nominal_mm - 1.25 * _TRIANGLE * self.pitch_mm
-
-    @property
     def root_diameter_mm(self) -> float:
         """d3 = d - 2 (17/24) H, of the screw (ISO 68-1 with a round root)."""
         return self.nominal_mm - 17.0 / 12.0 * _TRIANGLE * self.pitch_mm

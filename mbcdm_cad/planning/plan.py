@@ -83,7 +83,6 @@ class RunPlan:
 
     noise: Noise
     effects: tuple[Foreseen, ...]
-    power: float = POWER
     friction_alike: tuple[str, ...] = ()
     proposals: tuple[str, ...] = ()
     moves: bool = True
@@ -92,7 +91,7 @@ class RunPlan:
         """For a file."""
         effects = [asdict(one) for one in self.effects]
         alike = list(self.friction_alike)
-        return {"power": self.power, "noise": self.noise.to_json(), "effects": effects, "friction_alike": alike}
+        return {"power": POWER, "noise": self.noise.to_json(), "effects": effects, "friction_alike": alike}
 
     def text(self) -> str:
         """For the terminal."""
@@ -100,7 +99,7 @@ class RunPlan:
         lines = [
             f"noise floor {1e6 * self.noise.total_rad:.3g} urad ({self.noise.source})",
             "",
-            f"{'effect':<{width}}  {f'named from (power {self.power:g})':<34}  not told from, below",
+            f"{'effect':<{width}}  {f'named from (power {POWER:g})':<34}  not told from, below",
         ]
         for one in self.effects:
             rivals = "; ".join(f"{rival.label}: {_words(one.parameter, rival.from_size)}" for rival in one.rivals)
@@ -133,21 +132,19 @@ def noise_from(drive: Drive, run: Run) -> Noise:
     return PlannedMotion(drive, run).noise if run.kind == MOTION else PlannedReadings(drive, run).noise
 
 
-def plan_of(drive: Drive, run: Run, noise: Noise | None = None, power: float = POWER) -> RunPlan:
-    """What ``run``, measured or only planned, can find on ``drive``. ``noise`` is that of a pilot run.
-
-    ``power`` is the probability with which an effect of the smallest size is to be named.
-    """
+def plan_of(drive: Drive, run: Run, noise: Noise | None = None) -> RunPlan:
+    """What ``run``, measured or only planned, can find on ``drive``. ``noise`` is that of a pilot run."""
     if run.kind == FREQUENCY_RESPONSE:
         loop = ResponseLoop(drive, float(np.mean(layout_of(drive).si.total_ratio)), [arranged(run, drive)])
-        return RunPlan(loop.noise, tuple(_of_response(loop, power)), power, moves=False)
+        return RunPlan(loop.noise, tuple(_of_response(loop, POWER)), moves=False)
     if run.kind != MOTION:
         readings = PlannedReadings(drive, run, noise)
-        return RunPlan(readings.noise, tuple(readings.foreseen(power)), power, moves=False)
+        return RunPlan(readings.noise, tuple(readings.foreseen(POWER)), moves=False)
     planned = PlannedMotion(drive, run, noise)
     p = planned.fitter.runs[0]
-    found = tuple(planned.foreseen(power))
-    return RunPlan(planned.noise, found, power, tuple(friction_alike(p.speed_rad_s, p.load_Nm)), _proposals(run, found))
+    found = tuple(planned.foreseen(POWER))
+    alike = tuple(friction_alike(p.speed_rad_s, p.load_Nm))
+    return RunPlan(planned.noise, found, alike, _proposals(run, found))
 
 
 @dataclass(frozen=True, eq=False)

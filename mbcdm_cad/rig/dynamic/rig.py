@@ -41,15 +41,6 @@ class Inertias:
             total += self.bodies_kg_m2[body.name] * body.turns_per_drum**2
         return total
 
-    @property
-    def at_drum_kg_m2(self) -> float:
-        """The total inertia reflected to the drum, rotors included."""
-        total = self.drum_and_passed_kg_m2
-        for body in self.routes.inputs:
-            at_input = self.bodies_kg_m2[body.name] + self.rotor_kg_m2 * self.gear_ratio**2
-            total += at_input * body.turns_per_drum**2
-        return total
-
 
 def inertias(drive: Drive) -> Inertias:
     """Inertias of the moving parts of ``drive``. Raises ValueError where they have no form."""

@@ -202,7 +202,9 @@ class TestDynamicRig:
             1.0 / analyse(layout_of(drive)).sticking_stiffness_Nm_rad
             + structure_of(layout_of(drive)).motor_urad_Nm * 1e-6
         )
-        rotors = inertias(drive).at_drum_kg_m2
+        own = inertias(drive)
+        at_inputs = np.array(own.inputs_kg_m2) + own.rotor_kg_m2 * own.gear_ratio**2
+        rotors = own.drum_and_passed_kg_m2 + at_inputs @ [body.turns_per_drum**2 for body in own.routes.inputs]
         expected = np.sqrt((1.0 / heavy + 1.0 / rotors) / give) / 2.0 / np.pi
         assert found == pytest.approx(expected, rel=0.01), (found, expected)
 
