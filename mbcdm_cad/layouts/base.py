@@ -194,7 +194,7 @@ class Layout(ABC):
     @classmethod
     def paths_template(cls) -> str:
         """Jinja template of the report's table of cable paths; ``r`` is the report's data."""
-        return files(cls.__module__.rpartition(".")[0]).joinpath("paths.md.j2").read_text("utf-8")
+        return files(cls.module("path_figures").__package__).joinpath("paths.md.j2").read_text("utf-8")
 
     # Other designs of this layout.
 

@@ -391,6 +391,10 @@ class CablePath:
         kept = tuple(p for p in self.pieces if p[0] in names)
         return CablePath(self.cable, self.drum_angle_rad, kept, diameter_mm=self.diameter_mm)
 
+    def each(self, change: Callable[[Any], Piece]) -> CablePath:
+        """The path with each of its pieces changed."""
+        return replace(self, pieces=tuple((name, change(piece)) for name, piece in self.pieces))
+
     def sample(self, step_mm: float) -> Vector:
         """Points (n, 3) along the pieces, no further apart than ``step_mm``."""
         counts = [max(2, ceil(piece.length_mm / step_mm) + 1) for _, piece in self.pieces]

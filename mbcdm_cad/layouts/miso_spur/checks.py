@@ -48,7 +48,7 @@ def load_sharing(s: RoundDrumLayout) -> Findings:
     for way in shares:
         yield at_most(
             f"torque of the {s.drive.input_names[int(way.argmax())]} input over the mean of all at peak torque",
-            float(way.max()) * s.drive.n_inputs,
+            float(way.max()) * len(s.units),
             LARGEST_OVER_MEAN,
             "times",
             f"shares {listed}, by the stiffness of the cables while the inputs are held",
@@ -110,9 +110,9 @@ def _passes(s: RoundDrumLayout, sector: int, index: int, half_width: float) -> l
 
 def _gaps(s: RoundDrumLayout, zones: Callable[[RoundDrumLayout, int], Iterator[Zone]]) -> Findings:
     """Gaps between each sector and zones at the other inputs."""
-    for index in range(s.drive.n_inputs):
+    for index in range(len(s.units)):
         for zone in zones(s, index):
-            for sector in range(s.drive.n_inputs):
+            for sector in range(len(s.units)):
                 if sector == index:
                     continue
                 for name, low, high, outer in _passes(s, sector, index, zone.half_width_mm):
@@ -138,7 +138,7 @@ def sectors_clear_shelves(s: RoundDrumLayout) -> Findings:
 @check("Gap between motor heads", "derived", *_OUT)
 def heads_apart(s: RoundDrumLayout) -> Findings:
     """Gaps between motor heads of neighbouring inputs, and between the mounting threads near the frame's middle."""
-    f, half = s.frame, pi / s.drive.n_inputs
+    f, half = s.frame, pi / len(s.units)
     flange_low = f.axis_z + s.head.flange.back_y
     # Two opposite heads have the drum's axis between them.
     heads = flange_low if half >= pi / 2 else flange_low * tan(half) - f.half_width

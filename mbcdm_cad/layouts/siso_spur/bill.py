@@ -1,6 +1,6 @@
 """Bill of the assembly: every part, every instance with its placement."""
 
-from math import radians, tau
+from math import degrees, radians, tau
 from typing import Any
 
 from mbcdm_cad.checks.bearings import stage_torque_Nm
@@ -9,7 +9,6 @@ from mbcdm_cad.layouts.assembly import add_drum_bearings, add_stop_pin, steps
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.overhung import set_screw
 from mbcdm_cad.layouts.siso_spur.support.idlers import SPACER_NOTE, Strap, strap_screw
-from mbcdm_cad.layouts.siso_spur.support.parts import Yoke
 from mbcdm_cad.parts.bill import AGAINST_Y, ALONG_Y, AssemblyStep, Bill, BillBuilder, Placement
 from mbcdm_cad.parts.drum_sector import items
 from mbcdm_cad.parts.drum_sector.part import DrumSector
@@ -23,7 +22,7 @@ def _at(x: float, y: float, z: float) -> Placement:
     return Placement.translation(x, y, z)
 
 
-def add_own_input(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = "") -> None:
+def _add_fixed_at_input(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = "") -> None:
     """Add the fixed items at the one input of ``lay``, turned by ``turn`` about the drum's axis.
 
     ``mark`` distinguishes its items from those of other inputs.
@@ -54,7 +53,7 @@ def add_own_input(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = 
     part.add_input_line(b, drive, lay.head, shelf, stand)
 
 
-def add_idlers(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = "") -> None:
+def _add_idlers(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = "") -> None:
     """Idlers, if any, with their bearings, which turn with them, axles and spacers, and the straps with their screws.
 
     ``turn`` and ``mark`` as for the input's fixed items.
@@ -88,7 +87,7 @@ def add_idlers(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = "")
             b.screw(f"idler_strap_screw{mark}_{n}_{k}", strap_screw(drive), drive.material("steel"), place)
 
 
-def add_sectors(b: BillBuilder, lay: SpurLayout, turns: list[Placement]) -> None:
+def _add_sectors(b: BillBuilder, lay: SpurLayout, turns: list[Placement]) -> None:
     """Add several sectors, hub on hub, the dowels between them, and the shaft, which the last hub holds.
 
     ``turns``: of each sector about the drum's axis.
@@ -122,22 +121,26 @@ def add_sectors(b: BillBuilder, lay: SpurLayout, turns: list[Placement]) -> None
 
 def bill(lay: SpurLayout, drum_angle_deg: float = 0.0) -> Bill:
     """All parts and instances with the drum at ``drum_angle_deg``."""
-    drive, f = lay.drive, lay.frame
+    drive, boss = lay.drive, lay.frame.boss
     b = BillBuilder(lay.moving_bodies, drum_angle_deg)
-    b.add("frame", Yoke(f), material=drive.frame_material)
+    b.add("frame", lay.frame_part, material=drive.frame_material)
     add_stop_pin(b, lay, lay.levels.plate_back_y)
     add_drum_bearings(b, lay)
-    add_own_input(b, lay, Placement.identity())
-    add_idlers(b, lay, Placement.identity())
-    items.add_drum_encoder(b, drive, f.boss.encoder_pocket_floor_y, f.boss.screw_circle)
-    if drive.parallel == 1:
+    turns = [Placement.about((0.0, 1.0, 0.0), degrees(angle)) for angle in drive.angles_rad]
+    inputs = list(zip(lay.input_units, turns, drive.input_names, strict=False))
+    for unit, turn, name in inputs:
+        mark = f"_{name}" if len(inputs) > 1 else ""
+        _add_fixed_at_input(b, unit, turn, mark)
+        _add_idlers(b, unit, turn, mark)
+    items.add_drum_encoder(b, drive, boss.encoder_pocket_floor_y, boss.screw_circle)
+    if len(turns) == 1:
         items.add_drum(b, drive, lay.drum, lay.drum_shaft)
     else:
-        add_sectors(b, lay, [Placement.identity()] * drive.parallel)
-    for pulley in lay.inputs:
-        add_input_pulley(b, drive, pulley, lay.collar, drive.frame_material, ALONG_Y)
-        for each in lay.attachments:
-            each.add_on_input(b, pulley.name, Placement.identity())
+        _add_sectors(b, lay, turns)
+    for pulley, (unit, turn, name) in zip(lay.inputs, inputs, strict=True):
+        add_input_pulley(b, drive, pulley, lay.collar, drive.frame_material, turn @ ALONG_Y)
+        for each in unit.attachments:
+            each.add_on_input(b, name, turn)
     items.add_cables(b, drive, lay.cable_paths(radians(drum_angle_deg)))
     for each in lay.attachments:
         each.add_items(b, drum_angle_deg)

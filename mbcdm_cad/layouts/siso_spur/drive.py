@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import acos, hypot, inf, pi, radians, sqrt, tan, tau
 from typing import ClassVar, Literal, TypeVar
@@ -182,7 +182,8 @@ class SpurDrive(HeadedDrive):
     @property
     def angles_rad(self) -> tuple[float, ...]:
         """Angles of the sectors and of their inputs about Y, from +Z towards +X."""
-        return (0.0,) * self.parallel
+        count = len(self.input_names)
+        return tuple(tau * k / count for k in range(count)) if count > 1 else (0.0,) * self.parallel
 
     @cached_property
     def pitch_mm(self) -> float:
@@ -201,8 +202,9 @@ class SpurDrive(HeadedDrive):
 
     @property
     def sector_names(self) -> tuple[str, ...]:
-        """Names of the sectors, each of which has one cable: its number, from the back."""
-        return tuple(str(k + 1) for k in range(self.parallel))
+        """Names of the sectors, each of which has one cable: of the inputs, or its number, from the back."""
+        several = len(self.input_names) > 1
+        return tuple(self.input_names) if several else tuple(str(k + 1) for k in range(self.parallel))
 
     @property
     def between_hubs_Nm(self) -> float:
@@ -224,27 +226,19 @@ class SpurDrive(HeadedDrive):
         return self._units[index]
 
     def _made_unit(self, index: int) -> SpurDrive:
-        own = {field.name: getattr(self, field.name) for field in fields(SpurDrive)}
         places = (2 * index, 2 * index + 1)
         cables = [self.cables[j] for j in places]
         level = self.level_mm + self.levels_mm[index]
-        return SpurDrive(
-            **own
-            | {
-                "configuration": "siso_spur",
-                "input_names": (cables[0].input_name,),
-                "cables": tuple(replace(c, terminal_y_mm=level + c.outward * self.terminal_mm) for c in cables),
-                "sigmas": self.sigmas.of_cables(places),
-                "level_mm": level,
-                "frame_angle_rad": self.unit_frame_angle_rad,
-                "parallel": 1,
-            }
+        return replace(
+            self,
+            configuration="siso_spur",
+            input_names=(cables[0].input_name,),
+            cables=tuple(replace(c, terminal_y_mm=level + c.outward * self.terminal_mm) for c in cables),
+            sigmas=self.sigmas.of_cables(places),
+            level_mm=level,
+            frame_angle_rad=tau / len(self.input_names),
+            parallel=1,
         )
-
-    @property
-    def unit_frame_angle_rad(self) -> float:
-        """Angle round the drum's axis in which the part of the frame at one input lies."""
-        return self.frame_angle_rad
 
     @property
     def cable_names(self) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ import json
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from importlib import import_module
 from math import ceil, floor, pi, sqrt
 from pathlib import Path
@@ -32,7 +32,7 @@ from mbcdm_cad.errors import InputError, shortened
 from mbcdm_cad.layouts.base import Attachment, NoFigureError
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.parts.bill import CABLE, FIXED, AssemblyStep, BillBuilder, MovingBody, PartSpec, Placement
-from mbcdm_cad.routes.curves import CablePath, Helix, carried
+from mbcdm_cad.routes.curves import CablePath, carried
 
 if TYPE_CHECKING:
     from mbcdm_cad.checks.comparison import Check
@@ -483,15 +483,13 @@ class FirstStageUnit(Attachment):
 
     def cable_paths(self, drum_angle_rad: float) -> Iterator[CablePath]:
         """See the base class."""
-        place, first = self.place, self.unit
+        first = self.unit
+        carry = partial(carried, rotation=self.place.rotation, shift_mm=self.place.shift_mm)
         for path in first.cable_paths(drum_angle_rad * self.layout.drive.total_ratio):
-            pieces = []
-            for name, piece in path.pieces:
-                assert not isinstance(piece, Helix)
-                pieces.append((name, carried(piece, place.rotation, place.shift_mm)))
             stretches = tuple(replace(s, body=self._bodies.get(s.body or "")) for s in path.stretches)
             cable = replace(path.cable, name=f"{FIRST}{path.cable.name}")
-            yield CablePath(cable, drum_angle_rad, tuple(pieces), stretches, first.drive.cable.diameter_mm)
+            own = {"stretches": stretches, "diameter_mm": first.drive.cable.diameter_mm}
+            yield replace(path.each(carry), cable=cable, drum_angle_rad=drum_angle_rad, **own)
 
     def steps_before(self) -> Iterator[AssemblyStep]:
         """The whole of it; what it is screwed on holds it in place of a base."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from math import atan2, ceil, degrees, floor, hypot, inf, pi, sqrt
 from typing import TYPE_CHECKING, Any
 
@@ -54,12 +54,13 @@ from mbcdm_cad.parts.making import land_band_mm
 from mbcdm_cad.parts.motor_head.dims import Flange, HeadDims, head
 from mbcdm_cad.parts.terminal import Tensioner, tensioned_rope, terminal_travel_mm
 from mbcdm_cad.parts.turned import AxleDims, DrumShaftDims, IdlerDims
-from mbcdm_cad.routes.curves import CablePath
+from mbcdm_cad.routes.curves import CablePath, turned_about_y
 from mbcdm_cad.routes.geometry import RoutedDrive
 
 if TYPE_CHECKING:
     from mbcdm_cad.model.si import DriveSI
     from mbcdm_cad.model.structure.causes import Cause
+    from mbcdm_cad.parts.milled import Milled
     from mbcdm_cad.routes import Floats
 
 
@@ -157,7 +158,7 @@ class SpurLayout(HeadLayout):
 
     def refuse_impossible(self) -> None:
         """Refuses pulleys that overlap."""
-        self.terminal_way  # noqa: B018 - raises where there is none
+        self.unit.terminal_way  # noqa: B018 - raises where there is none
 
     @cached_property
     def terminal_way(self) -> TerminalWay:
@@ -176,8 +177,12 @@ class SpurLayout(HeadLayout):
 
     @cached_property
     def levels(self) -> SpurStack:
-        """Levels along Y."""
-        return spur_stack(self.drive)
+        """Levels along Y, at the first of several inputs."""
+        return self.levels_of(0)
+
+    def levels_of(self, index: int) -> SpurStack:
+        """See the base class; here all cables go round one input."""
+        return self.once("levels", lambda s: spur_stack(s.drive))
 
     @dimensions
     def drum(self) -> DrumDims:
@@ -189,7 +194,7 @@ class SpurLayout(HeadLayout):
     @property
     def hubs_in_line(self) -> int:
         """See the base class."""
-        return self.drive.parallel
+        return len(self.drive.angles_rad)
 
     @dimensions
     def dowels(self) -> HubDowels:
@@ -199,8 +204,8 @@ class SpurLayout(HeadLayout):
 
     @dimensions
     def inputs(self) -> tuple[InputPulleyDims, ...]:
-        """The one input pulley."""
-        return (input_pulley(self.drive, self.levels),)
+        """The input pulleys; each is longer by the distance of its cable from the first along the drum's axis."""
+        return tuple(input_pulley(unit.drive, unit.levels) for unit in self.input_units)
 
     @dimensions
     def drum_shaft(self) -> DrumShaftDims:
@@ -250,8 +255,16 @@ class SpurLayout(HeadLayout):
 
     @dimensions
     def frame(self) -> YokeDims:
-        """The frame."""
-        return yoke(self.drive, self.levels, self.drum_shaft, self._flange)
+        """The frame: boss, and the arm at the first input."""
+        first = self.input_units[0]
+        return yoke(first.drive, self.levels, self.drum_shaft, self._flange)
+
+    @property
+    def frame_part(self) -> Milled:
+        """The frame with the arms of all inputs, as a part."""
+        from mbcdm_cad.layouts.siso_spur.support.parts import Yoke
+
+        return Yoke(self.frame)
 
     @dimensions
     def head(self) -> HeadDims:
@@ -304,11 +317,16 @@ class SpurLayout(HeadLayout):
         """Centre line of each cable at a drum angle, to the bottom of the bore of each swage."""
         if self.unit is self:
             return cable_paths(self.drive, self.anchors, drum_angle_rad)
-        paths = [path for unit in self.units for path in unit.cable_paths(drum_angle_rad)]
-        return tuple(
-            replace(path, cable=replace(path.cable, name=name))
-            for path, name in zip(paths, self.drive.cable_names, strict=True)
+        angles = zip(self.units, self.drive.angles_rad, strict=True)
+        paths = tuple(
+            path.each(partial(turned_about_y, angle_rad=angle))
+            for unit, angle in angles
+            for path in unit.cable_paths(drum_angle_rad)
         )
+        if self.drive.parallel == 1:
+            return paths
+        names = zip(paths, self.drive.cable_names, strict=True)
+        return tuple(replace(path, cable=replace(path.cable, name=name)) for path, name in names)
 
     def bends_mm(self) -> Sequence[tuple[str, str, float]]:
         """Input pulley, idlers and drum."""
@@ -334,7 +352,7 @@ class SpurLayout(HeadLayout):
     @dimensions
     def idlers(self) -> tuple[tuple[str, IdlerDims, tuple[SpurRun, int]], ...]:
         """Each idler: its body in the routes, its dimensions, its cable and its number from 0 on."""
-        return tuple(idlers(self.drive))
+        return tuple(each for unit in self.input_units for each in idlers(unit.drive))
 
     @dimensions
     def pins(self) -> tuple[IdlerPin, ...]:

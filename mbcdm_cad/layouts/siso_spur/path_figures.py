@@ -37,15 +37,15 @@ class SpurFigures:
 
 
 def path_figures(layout: SpurLayout) -> SpurFigures:
-    """The figures of one design at ``STATIONS`` drum angles over its travel."""
-    drive = layout.drive
-    angles, cables = wraps_over_travel(layout)
+    """The figures of one design at ``STATIONS`` drum angles over its travel; wrap and walk are those of each input."""
+    drive, units = layout.drive, layout.input_units
+    (angles, *_), cables = zip(*map(wraps_over_travel, units), strict=True)
     return SpurFigures(
         angles,
-        cables,
+        tuple(cable for of in cables for cable in of),
         None if drive.anchored else degrees(drive.wrap_rad),
         tuple(walked_mm(drive, radians(a)) for a in angles),
-        *by_sense(_ends(layout)),
+        *by_sense(dict.fromkeys(end for unit in units for end in _ends(unit))),
     )
 
 
@@ -79,8 +79,8 @@ path_lines = wrap_lines
 
 def plan(layout: SpurLayout) -> TensioningPlan:
     """How the preloads of both sides are set, in the order of the drive."""
-    drive = layout.drive
-    return tensioning_plan(tensioned_sides(layout), tensioned_rope(drive), drive.tensioner.pitch_mm * 1e-3)
+    drive, sides = layout.drive, [side for unit in layout.input_units for side in tensioned_sides(unit)]
+    return tensioning_plan(sides, tensioned_rope(drive), drive.tensioner.pitch_mm * 1e-3)
 
 
 def tensioned_sides(layout: SpurLayout) -> list[TensionedCable]:

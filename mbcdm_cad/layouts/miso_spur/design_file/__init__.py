@@ -10,10 +10,9 @@ from mbcdm_cad.design.loader import DesignFile, LazySizing, reference_of
 from mbcdm_cad.design.resolve import Catalogue
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.yamltree import FieldPath
-from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
 from mbcdm_cad.layouts.siso_spur.design_file import resolve, starting
 from mbcdm_cad.layouts.siso_spur.design_file.schema import SpurBlocks, SpurSide
-from mbcdm_cad.layouts.siso_spur.drive import laid
+from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, laid
 from mbcdm_cad.parts.drum_sector.dims import SCREWS
 
 REFERENCE = reference_of(Path(__file__).parent)
@@ -49,9 +48,9 @@ class RoundDrumDesign(SpurBlocks):
     )
 
 
-def drive(design: RoundDrumDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> RoundDrumDrive:
+def drive(design: RoundDrumDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> SpurDrive:
     """The drive of a valid design."""
-    return laid(RoundDrumDrive(**resolve.spur_values(design, catalogue, sigmas)))
+    return laid(SpurDrive(**resolve.spur_values(design, catalogue, sigmas)))
 
 
 def broken_rules(design: RoundDrumDesign) -> Iterator[Broken]:

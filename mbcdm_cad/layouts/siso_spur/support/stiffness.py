@@ -11,7 +11,8 @@ share the load by statics alone: that its housing stiffens the window is left ou
 drum and one below, form one mesh.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import pi
 
@@ -195,13 +196,24 @@ def _idler_forces(
 def frame_compliance(layout: SpurLayout) -> FrameCompliance:
     """Windup of the drum due to the frame per N m of external torque, with the share of each part.
 
-    Raises ``ValueError`` if the dimensions leave no frame to compute.
+    Two opposite arms are one frame with two yokes, on which the forces on the drum cancel. Four inputs are two such
+    pairs; with three inputs every arm is computed alone. Each carries its share of the load. Connected to the others an
+    arm can only bend less (a structure with more constraints stores less energy under the same forces), so that with
+    more than two inputs the sum is an upper bound. Raises ``ValueError`` if the dimensions leave no frame to compute.
     """
-    return arms_compliance([Arm(layout)], 1.0)
+    units = layout.input_units
+    half, shares = len(units) // 2, Counter[str]()
+    parts = [[Arm(unit)] for unit in units]
+    if len(units) % 2 == 0:
+        parts = [[Arm(one), Arm(other, -1)] for one, other in zip(units[:half], units[half:], strict=True)]
+    for arms in parts:
+        # The work of a part is its rotation of the drum under its share of the load, times that share.
+        shares.update(_arms_urad_Nm(arms, 1.0 / len(units)))
+    return FrameCompliance(sum(shares.values()), dict(shares))
 
 
-def arms_compliance(arms: Sequence[Arm], share: float) -> FrameCompliance:
-    """As :func:`frame_compliance`, for a frame with one arm or two, each with this share of the torque."""
+def _arms_urad_Nm(arms: Sequence[Arm], share: float) -> dict[str, float]:
+    """Windup by part of a frame with one arm or two, each with this share of the torque."""
     first = arms[0].layout
     f, material = first.frame, first.drive.frame_material
     mesh, held = _mesh(arms)
@@ -234,7 +246,7 @@ def arms_compliance(arms: Sequence[Arm], share: float) -> FrameCompliance:
     ring = BossRing(boss.seat_radius, outer, outer, boss.encoder_pocket_floor_y, boss.front_y)
     at, force = (np.array(tuple(values)) for values in (on_boss.keys(), on_boss.values()))
     shares["boss ring"] = ring.work_Nmm(at, force, elastic(material)) * URAD_PER_MRAD
-    return FrameCompliance(sum(shares.values()), shares)
+    return shares
 
 
 def _mesh(arms: Sequence[Arm]) -> tuple[PlateMesh, Mounts]:
@@ -268,24 +280,21 @@ def out_of_line_mrad(layout: SpurLayout, lower_N: float, upper_N: float) -> tupl
 
 def frame_study(layout: SpurLayout) -> FrameStudy:
     """The compliance as a study for the cache."""
-    return frame_study_of(__name__, [layout], lambda: frame_compliance(layout))
-
-
-def frame_study_of(module: str, layouts: Sequence[SpurLayout], compliance: Callable[[], FrameCompliance]) -> FrameStudy:
-    """The study that ``module`` computes from the layouts of all inputs."""
     # Of the drum's shaft only the positions of its bearings: other changes of it must not make the study run again.
     inputs = tuple(
         (
-            layout.frame,
-            (None if layout.frame.motor else layout.head, layout.drive.gearhead.diameter_mm),
-            (layout.drum_shaft.rear_bearing_y, layout.drum_shaft.front_bearing_y),
-            layout.drive.support,
-            layout.drive.bearings,
-            layout.drive.cables,
-            layout.drive.centre_distance_mm,
-            layout.drive.idlers,
+            unit.frame,
+            (None if unit.frame.motor else unit.head, unit.drive.gearhead.diameter_mm),
+            (unit.drum_shaft.rear_bearing_y, unit.drum_shaft.front_bearing_y),
+            unit.drive.support,
+            unit.drive.bearings,
+            unit.drive.cables,
+            unit.drive.centre_distance_mm,
+            unit.drive.idlers,
         )
-        for layout in layouts
+        for unit in layout.input_units
     )
     walls = ("bridge_mm", "plate_mm", "encoder_shelf_mm", "side_wall_mm")
-    return FrameStudy(module, inputs, compliance, {w: getattr(layouts[0].drive.support, w) for w in walls})
+    return FrameStudy(
+        __name__, inputs, lambda: frame_compliance(layout), {w: getattr(layout.drive.support, w) for w in walls}
+    )

@@ -6,12 +6,12 @@ from dataclasses import replace
 import pytest
 
 from mbcdm_cad.layouts.loader import load_text, new_design_text
-from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
+from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 
 
 @pytest.fixture(scope="session")
-def drive() -> RoundDrumDrive:
+def drive() -> SpurDrive:
     """Its drive, two inputs."""
     return load_text(new_design_text("miso_spur", "miso_spur")).drive
 
@@ -24,20 +24,20 @@ def anchored() -> RoundDrumLayout:
 
 
 @pytest.fixture(scope="session")
-def dims(drive: RoundDrumDrive) -> RoundDrumLayout:
+def dims(drive: SpurDrive) -> RoundDrumLayout:
     """Its dimensions."""
     return RoundDrumLayout(drive)
 
 
 @pytest.fixture(scope="session")
-def with_inputs(drive: RoundDrumDrive) -> Callable[[int], RoundDrumDrive]:
+def with_inputs(drive: SpurDrive) -> Callable[[int], SpurDrive]:
     """The reference with another number of inputs, loads in proportion, further out to pass the sectors."""
     sides = [c for c in drive.cables if c.input_name == drive.input_names[0]]
 
-    def of(count: int) -> RoundDrumDrive:
+    def of(count: int) -> SpurDrive:
         names = tuple("abcd"[:count])
         cables = tuple(replace(side, name=f"{name}_{side.step}", input_name=name) for name in names for side in sides)
-        share = count / drive.n_inputs
+        share = count / len(drive.input_names)
         loads = replace(
             drive.loads,
             peak_torque_Nm=drive.loads.peak_torque_Nm * share,

@@ -10,17 +10,16 @@ import pytest
 
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.layouts.loader import load_text, new_design_text
-from mbcdm_cad.layouts.miso_spur.bill import bill
 from mbcdm_cad.layouts.miso_spur.checks import SECTORS
-from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
-from mbcdm_cad.layouts.miso_spur.support.stiffness import frame_compliance
-from mbcdm_cad.layouts.siso_spur.support.stiffness import frame_compliance as compliance_of_one
+from mbcdm_cad.layouts.siso_spur.bill import bill
+from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
+from mbcdm_cad.layouts.siso_spur.support.stiffness import frame_compliance
 from tests.support.checked import failing
 from tests.support.smooth_path import assert_joined
 
 ROOT = Path(__file__).parents[4]
-Made = Callable[[int], RoundDrumDrive]
+Made = Callable[[int], SpurDrive]
 
 
 def test_params_file_is_what_the_schema_writes() -> None:
@@ -29,7 +28,7 @@ def test_params_file_is_what_the_schema_writes() -> None:
     assert (ROOT / "params/miso_spur.yaml").read_text("utf-8") == new_design_text("miso_spur", "miso_spur")
 
 
-def test_reference_design_fails_no_check(drive: RoundDrumDrive) -> None:
+def test_reference_design_fails_no_check(drive: SpurDrive) -> None:
     failed = failing(drive)
     assert not failed, failed
 
@@ -139,7 +138,7 @@ def test_sectors_against_their_limits(with_inputs: Made, check: str, change: dic
         ("dowel_holes", {"hub_diameter_mm": 13.0}),
     ],
 )
-def test_drum_against_its_limits(drive: RoundDrumDrive, check: str, change: dict[str, float]) -> None:
+def test_drum_against_its_limits(drive: SpurDrive, check: str, change: dict[str, float]) -> None:
     found = next(c for c in SECTORS if c.id == check)
     assert run_check(found, RoundDrumLayout(drive)).status == "pass"
     # Thrice the load shears what holds the reference's.
@@ -171,7 +170,7 @@ def test_frame_and_drum_as_heavy_as_drawn(with_inputs: Made) -> None:
 @pytest.mark.slow
 def test_arms_of_the_frame_joined_bend_less_than_alone(dims: RoundDrumLayout, with_inputs: Made) -> None:
     """Two arms in line as one mesh, against the upper bound of each by itself."""
-    alone = [compliance_of_one(unit).windup_urad_Nm for unit in dims.units]
+    alone = [frame_compliance(unit).windup_urad_Nm for unit in dims.units]
     together = frame_compliance(dims).windup_urad_Nm
     assert 0.8 * sum(alone) / 4 < together <= 1.001 * sum(alone) / 4, f"{together} of {alone}"
     assert np.isfinite(frame_compliance(RoundDrumLayout(with_inputs(3))).windup_urad_Nm)

@@ -11,16 +11,16 @@ from hypothesis import strategies as st
 from mbcdm_cad.checks.bearings import input_reactions
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.layouts.miso_spur.checks import load_shares, load_sharing
-from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.registry import layout_of
+from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.model.capability import torque_at_slip_Nm
 from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
 from mbcdm_cad.model.stiffness import drum_backlash, sticking_stiffness_Nm_rad
 from mbcdm_cad.routes.route import contact_point_m
 from tests.support.sliced_cables import by_bisection
 
-Made = Callable[[int], RoundDrumDrive]
+Made = Callable[[int], SpurDrive]
 
 
 @settings(max_examples=25, deadline=None)
@@ -36,7 +36,7 @@ def test_each_input_is_the_plain_drive_with_its_share(with_inputs: Made, count: 
     assert torque_at_slip_Nm(all_, 1) == pytest.approx([count * float(torque_at_slip_Nm(one, 1)[0])] * count)
 
 
-def test_equilibrium_is_that_of_cables_summed_up_in_slices(drive: RoundDrumDrive) -> None:
+def test_equilibrium_is_that_of_cables_summed_up_in_slices(drive: SpurDrive) -> None:
     at = solve_equilibrium(layout_of(drive).si, 4.3)
     angle, tensions = by_bisection(drive, drive.free_span_mm * 1e-3, 4.3)
     assert float(at.drum_angle_rad) == pytest.approx(angle, rel=1e-4)
@@ -46,9 +46,7 @@ def test_equilibrium_is_that_of_cables_summed_up_in_slices(drive: RoundDrumDrive
 
 @settings(max_examples=20, deadline=None)
 @given(load=st.floats(0.1, 6.0), preload=st.floats(40.0, 120.0))
-def test_both_senses_are_alike_whatever_one_input_is_drawn_to(
-    drive: RoundDrumDrive, load: float, preload: float
-) -> None:
+def test_both_senses_are_alike_whatever_one_input_is_drawn_to(drive: SpurDrive, load: float, preload: float) -> None:
     """Turned about the line of centres, the drive is itself with its sides exchanged."""
     cables = tuple(replace(c, preload_N=preload if c.input_name == "lower" else c.preload_N) for c in drive.cables)
     d = layout_of(replace(drive, cables=cables)).si
@@ -99,7 +97,7 @@ def test_routes_lie_where_the_drawn_cables_do(dims: RoundDrumLayout) -> None:
 
 @settings(max_examples=8, deadline=None)
 @given(slack=st.floats(40.0, 110.0), load=st.floats(0.2, 3.0))
-def test_shares_follow_the_stiffness_of_the_cables_alone(drive: RoundDrumDrive, slack: float, load: float) -> None:
+def test_shares_follow_the_stiffness_of_the_cables_alone(drive: SpurDrive, slack: float, load: float) -> None:
     """The torque of an input is that of the plain drive turned as far, so a slacker cable, whose wraps slip further,
     takes less."""
     cables = tuple(replace(c, preload_N=slack if c.input_name == "lower" else c.preload_N) for c in drive.cables)
@@ -121,7 +119,7 @@ def test_shares_follow_the_stiffness_of_the_cables_alone(drive: RoundDrumDrive, 
     assert (taken[1] < taken[0]) == (slack < 70.0) or abs(slack - 70.0) < 1.0
 
 
-def test_check_of_sharing_warns_of_one_slack_cable(drive: RoundDrumDrive) -> None:
+def test_check_of_sharing_warns_of_one_slack_cable(drive: SpurDrive) -> None:
     even = RoundDrumLayout(drive)
     assert load_shares(even) == pytest.approx(np.full((2, 2), 0.5))
     assert run_check(load_sharing, even).status == "pass"
@@ -132,7 +130,7 @@ def test_check_of_sharing_warns_of_one_slack_cable(drive: RoundDrumDrive) -> Non
     assert run_check(load_sharing, uneven).status == "warn"
 
 
-def test_backlash_is_that_of_the_plain_drive_at_the_share(drive: RoundDrumDrive) -> None:
+def test_backlash_is_that_of_the_plain_drive_at_the_share(drive: SpurDrive) -> None:
     found, alone = drum_backlash(layout_of(drive).si, 1.24), drum_backlash(layout_of(drive.unit(1)).si, 0.62)
     assert float(found.first_loading_rad) == pytest.approx(float(alone.first_loading_rad), rel=1e-9)
     assert float(found.reversal_swing_rad) == pytest.approx(float(alone.reversal_swing_rad), rel=1e-9)
@@ -146,7 +144,7 @@ def test_drum_is_as_heavy_as_its_sectors(with_inputs: Made) -> None:
     assert set(found) == {"drum", "input_a", "input_b", "input_c"}
 
 
-def test_bearings_of_each_pulley_carry_by_their_levers(drive: RoundDrumDrive) -> None:
+def test_bearings_of_each_pulley_carry_by_their_levers(drive: SpurDrive) -> None:
     """The second pulley's cable lies a pitch further from the plate, so that its far bearing carries more."""
     s = RoundDrumLayout(drive)
     bearings, upper_shares = drive.bearings, []

@@ -10,8 +10,7 @@ import pytest
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import layout_of, load_text
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
-from mbcdm_cad.layouts.miso_spur.support.stiffness import frame_compliance
-from mbcdm_cad.layouts.siso_spur.support.stiffness import frame_compliance as of_one_arm
+from mbcdm_cad.layouts.siso_spur.support.stiffness import frame_compliance
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.routes.route import body_load
 from mbcdm_cad.workshop.kernel import location, validate_solid
@@ -105,7 +104,7 @@ def test_each_led_input_is_the_plain_drive_with_its_share() -> None:
         for d, load in ((all_of, 0.6), (one, 0.3))
     ]
     assert both[0] == pytest.approx(both[1], rel=1e-6)
-    alone = sum(of_one_arm(unit).windup_urad_Nm for unit in layout.units)
+    alone = sum(frame_compliance(unit).windup_urad_Nm for unit in layout.units)
     together = frame_compliance(layout).windup_urad_Nm
     assert 0.8 * alone / 4 < together <= 1.001 * alone / 4, (together, alone)
 

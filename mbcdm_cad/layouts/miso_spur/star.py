@@ -1,13 +1,13 @@
-"""Frame: plate with boss, arms and yokes, milled from one block, with bores from behind for drum and inputs."""
+"""Frame: plate with boss, and an arm with a yoke for each input, milled from one block, bored from behind."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import inf, pi, tan
+from math import cos, inf, pi, radians, sin, tan
 from typing import TYPE_CHECKING
 
-from mbcdm_cad.layouts.miso_spur.support.dims import StarDims
+from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
 from mbcdm_cad.layouts.siso_spur.support.parts import Yoke, arm_bodies, arm_taken, centre_bodies, centre_taken
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.milled import Bores, Feature, Form, Milled
@@ -33,15 +33,15 @@ def _turned(feature: Feature, angle_deg: float) -> Form:
     return Form(feature.volume_mm3(), drawn)
 
 
-def _arms_taken(d: StarDims) -> list[Feature]:
+def _arms_taken(d: Star) -> list[Feature]:
     """What is taken from all arms; equal holes are one group, with the letter of the first arm."""
     found: list[Feature] = []
     for alike in zip(*(arm_taken(arm) for arm in d.arms), strict=True):
         places = []
         for k, feature in enumerate(alike):
             if isinstance(feature, Bores):
-                turned = d.turned(k, tuple((x, z) for x, _, z in feature.places))
-                places += [(x, y, z) for (_, y, _), (x, z) in zip(feature.places, turned, strict=True)]
+                c, s = cos(radians(d.angles_deg[k])), sin(radians(d.angles_deg[k]))
+                places += [(x * c + z * s, y, z * c - x * s) for x, y, z in feature.places]
             else:
                 found.append(_turned(feature, d.angles_deg[k]))
         if isinstance(alike[0], Bores):
@@ -49,7 +49,7 @@ def _arms_taken(d: StarDims) -> list[Feature]:
     return found
 
 
-def _arms(d: StarDims) -> Table:
+def _arms_table(d: Star) -> Table:
     first, rows = d.arms[0], []
     has_shelf = first.motor is None
     for n, (arm, angle) in enumerate(zip(d.arms, d.angles_deg, strict=True), 1):
@@ -65,18 +65,21 @@ def _arms(d: StarDims) -> Table:
 
 @dataclass(frozen=True)
 class Star(Milled):
-    """Frame where it stands in the assembly."""
+    """Frame where it stands in the assembly: ``arms`` as at the first input, each with its angle from +Z towards +X.
 
-    dims: StarDims
+    The arms differ in the reach of their yokes from the plate. Boss and stop pin of the first are shared by all.
+    """
+
+    arms: tuple[YokeDims, ...]
+    angles_deg: tuple[float, ...]
 
     def bodies(self) -> Sequence[Feature]:
         """Arms less what neighbours share near the axis, and the boss. The round end lies within the arms."""
-        d, n = self.dims, len(self.dims.arms)
-        first = d.arms[0]
+        first, n = self.arms[0], len(self.arms)
         # Half the angle between two arms; two opposite arms are in line and share nothing.
         slope = tan(pi / n) if n > 2 else inf
         shared = n * first.half_width**2 / slope * (first.levels.front_y - first.levels.plate_back_y)
-        arms = zip(d.arms, d.angles_deg, strict=True)
+        arms = zip(self.arms, self.angles_deg, strict=True)
         return (
             centre_bodies(first),
             Form(-shared, lambda: []),
@@ -85,13 +88,13 @@ class Star(Milled):
 
     def taken(self) -> Sequence[Feature]:
         """Bores and holes of boss and arms."""
-        return *centre_taken(self.dims.arms[0]), *_arms_taken(self.dims)
+        return *centre_taken(self.arms[0]), *_arms_taken(self)
 
     def sheet(self, part: str) -> Sheet:
         """Rear, middle section and front."""
-        d = self.dims
-        first = d.arms[0]
+        first = self.arms[0]
         one, holes = Yoke(first).sheet(part), self.bores()
+        places = position_table(holes, (0, 2), "Positions from the drum's axis")
         behind = tuple(group for group in holes if group.letter in _FROM_BEHIND)
         y, reach = first.levels.plate_back_y, first.plate_top_z + 2.0
         return replace(
@@ -99,7 +102,7 @@ class Star(Milled):
             labels=(*hole_labels(behind, "rear"),),
             cutting_lines=(CuttingLine("rear", (0.0, y, -reach), (0.0, y, reach), "A", minus(X)),),
             holes=holes,
-            tables=(hole_table(holes), _arms(d), position_table(holes, (0, 2), "Positions from the drum's axis")),
+            tables=(hole_table(holes), _arms_table(self), places),
             fits=(
                 FitLine(2 * first.boss.seat_radius, FITS["drum_seat"].code, "drum bearing seats"),
                 *(line for group in holes for line in group.fit_lines()),
