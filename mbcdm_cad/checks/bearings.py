@@ -150,7 +150,7 @@ def larger(s: SectorLayout, finding: Comparison) -> str:
         if entry["bore_mm"] == chosen.bore_mm and entry["static_rating_N"] >= needed
     ]
     such = f", such as {min(same)[1]} of the same bore" if same else ""
-    return f"choose a {field} of static rating {needed:.4g} N or more{such}"
+    return f"choose {'an' if field[0] in 'aeiou' else 'a'} {field} of static rating {needed:.4g} N or more{such}"
 
 
 def quiet(measure: Callable[[Any], Findings]) -> Check:

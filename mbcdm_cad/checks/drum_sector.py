@@ -156,6 +156,16 @@ def shaft_wall(s: SectorLayout) -> Findings:
     yield "wall of the drum shaft", shaft.radius - shaft.bore_radius, s.drive.shaft_material.min_wall_mm
 
 
+def _larger_drum(s: SectorLayout) -> str:
+    """The drum in which a hub as wide as this one leaves the slot its room."""
+    d = s.drum
+    room = d.stop_slot_width + 2.0 * SLOT_WALLS * s.drive.drum_material.min_wall_mm
+    least = d.hub_radius + room + s.steps[0].drum_radius_mm - d.rim_inner_radius
+    if least <= s.steps[0].drum_radius_mm:
+        return ""
+    return f"choose a drum of {least:.4g} mm radius or more, for its hub of {2 * d.hub_radius:g} mm"
+
+
 @stop_check(
     "Stop slot lies in the web",
     _WALL + " x 2: estimate",
@@ -165,6 +175,7 @@ def shaft_wall(s: SectorLayout) -> Findings:
     down("travel.half_angle_deg"),
     down("travel.stop_clearance_deg"),
     down("support.coupling_space_mm"),
+    advice=_larger_drum,
 )
 def stop_slot(s: SectorLayout) -> Findings:
     """The slot for the stop pin lies in the web between hub and rim, inside the ends of the sector."""
@@ -173,7 +184,9 @@ def stop_slot(s: SectorLayout) -> Findings:
     if d.stop_radius <= 0.0:
         raise NoFigureError("the stop pin would lie beyond the drum's axis: a larger drum makes room for it")
     end = d.stop_slot_end_deg + degrees(asin(min(1.0, half / d.stop_radius)))
-    yield "web between stop slot and rim", d.rim_inner_radius - d.stop_radius - half, limit
+    # A rim beyond the lands holds nothing.
+    outer = min(d.rim_inner_radius, d.lands[0].surface_radius_mm)
+    yield "web between stop slot and rim", outer - d.stop_radius - half, limit
     yield "web between stop slot and hub", d.stop_radius - half - d.hub_radius, limit
     what = "web between both ends of the stop slot" if d.whole else "web between stop slot and the sector's end"
     yield what, radians(d.half_angle_deg - end) * (d.stop_radius - half) * (2.0 if d.whole else 1.0), limit

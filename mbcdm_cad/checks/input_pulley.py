@@ -207,9 +207,7 @@ def coupling_height(s: SectorLayout) -> Findings:
     yield what, space - screw.length_mm - screw.head_height_mm, gap
     yield (
         f"coupling space for the clamp collar on its way over the end of the {drive.mounted}'s shaft",
-        v.bearing_shelf_bottom_z
-        - max(shaft_end, v.motor_shelf_top_z)
-        - collar_width_mm(drive, drive.input_pulleys.collar_screw),
+        v.bearing_shelf_bottom_z - max(shaft_end, v.motor_shelf_top_z) - collar_width_mm(drive),
         PASSAGE_MM,
     )
 

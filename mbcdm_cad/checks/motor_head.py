@@ -90,7 +90,7 @@ def key_access(s: HeadLayout) -> Comparison:
 def collar_gaps(s: HeadLayout) -> Iterator[tuple[str, float]]:
     """Gaps of collar, screws' heads and wheels in the coupling space, mm."""
     v, h, c, drive = s.levels, s.head, s.collar, s.drive
-    reach = collar_sweep_mm(drive, *drive.collar_seat)
+    reach = collar_sweep_mm(drive)
     head = h.gear_bolt_circle + drive.screw(drive.gearhead.screw).head_diameter_mm / 2
     corner = min(h.corner_radius, 0.49 * (v.bearing_shelf_bottom_z - v.motor_shelf_top_z))
 

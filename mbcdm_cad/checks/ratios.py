@@ -4,8 +4,7 @@ The checks of ratios use nominal radii, with a tolerance far below that of machi
 not of parts. The paper's design (D/d 14.8 at its smallest pulley) is below every rope maker's minimum for 7x7.
 """
 
-from collections.abc import Callable, Iterable, Sequence
-from functools import partial
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -149,24 +148,13 @@ def bend_ratio_desired(s: Layout) -> Comparison:
     return worst(at_least(name, ratio, limit, "D/d", _cost(ratio)) for name, ratio in _ratios(s))
 
 
-def anchor_bend(bends_mm: Callable[[Any], Iterable[tuple[str, float]]], s: Layout) -> Comparison:
+@check("Standing bend at the cable's stop", "rope makers' tables, interpolated: estimate", unit="D/d")
+def anchor_bend(s: SectorLayout) -> Findings:
     """The constant bend of the cable before the swaged stop inside the input pulley."""
-    d = s.drive.cable.diameter_mm
-    return worst(
-        at_least(f"D/d of the bend at the stop of {cable}", 2 * radius / d, ANCHOR_RATIO, "D/d")
-        for cable, radius in bends_mm(s)
-    )
-
-
-def anchor_check(bends_mm: Callable[[Any], Iterable[tuple[str, float]]], adjust: tuple[Adjustment, ...]) -> Check:
-    """The check; ``bends_mm``: of a design under test, (cable, radius of the bend before its stop) of each cable."""
-    return Check(
-        "anchor_bend",
-        "Standing bend at the cable's stop",
-        "rope makers' tables, interpolated: estimate",
-        partial(anchor_bend, bends_mm),
-        adjust=adjust,
-    )
+    slots = {slot.cable_name: slot for pulley in s.inputs for slot in pulley.slots}
+    for c in s.steps:
+        ratio = 2 * slots[c.name].bend_radius / s.drive.cable.diameter_mm
+        yield f"D/d of the bend at the stop of {c.name}", ratio, ANCHOR_RATIO
 
 
 def bending_checks(adjust: tuple[Adjustment, ...]) -> tuple[Check, ...]:

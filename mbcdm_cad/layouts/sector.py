@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from math import degrees, radians, tau
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -13,13 +12,13 @@ import numpy as np
 
 from mbcdm_cad.layouts.base import Layout, dimensions
 from mbcdm_cad.model.losses import BearingPair, body_bearings
-from mbcdm_cad.parts.coupling import CollarDims, StageDims
-from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorRun
+from mbcdm_cad.parts.coupling import CollarDims, StageDims, collar_width_mm
+from mbcdm_cad.parts.drum_sector.design import InputLevels, SectorDrive, SectorRun
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import drum_shaft, preload_spring
-from mbcdm_cad.parts.fits import MountScrew, MountThread
-from mbcdm_cad.parts.input_pulley.dims import GROOVE_RADIUS, InputPulleyDims
-from mbcdm_cad.parts.motor_head.dims import HeadDims, HeadedDrive
+from mbcdm_cad.parts.fits import MOUNT_SCREWS, MountScrew, MountThread
+from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM, GROOVE_RADIUS, JOURNAL_SLIT_MM, InputPulleyDims
+from mbcdm_cad.parts.motor_head.dims import HeadDims
 from mbcdm_cad.parts.terminal import Tensioner
 from mbcdm_cad.parts.turned import DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.routes import Floats
@@ -32,38 +31,26 @@ if TYPE_CHECKING:
     from mbcdm_cad.model.structure.causes import Cause
 
 
-# Gap between an input pulley's end face and a shelf, bridged by the inner ring's shoulder; the pulley's axial play
-# between its two bearings (estimates).
-SHELF_GAP_MM, END_PLAY_MM = 0.6, 0.1
+def coupled_pulley(drive: SectorDrive, levels: InputLevels, **own: Any) -> InputPulleyDims:
+    """An input pulley between gearhead and encoder, along the input's levels: journals in its bearings, bore and slit.
 
-
-@dataclass(frozen=True, kw_only=True)
-class InputLevels:
-    """Levels in mm: ``_z`` along an input's axis, from motor to encoder, ``_y`` along the drum's.
-
-    The named body lies just before (``_top``) or behind (``_bottom``) the level.
+    ``own``: its lands, necks and slots, and what is another than of a shaft in a slit journal.
     """
-
-    motor_bottom_z: float
-    gearhead_bottom_z: float
-    motor_shelf_bottom_z: float  # the gearhead's face
-    motor_shelf_top_z: float
-    bearing_shelf_bottom_z: float
-    bearing_shelf_top_z: float
-    top_plate_bottom_z: float  # or the encoder shelf
-    top_plate_top_z: float
-    encoder_top_z: float
-    back_y: float
-    front_y: float  # of shelves and plates
-    drum_inner_y: float
-    drum_outer_y: float
-    hub_face_y: float
-    boss_front_y: float
-
-    @property
-    def upper_neck_top_z(self) -> float:
-        """Top of the pulley's upper neck, which its play keeps from the bearing."""
-        return self.top_plate_bottom_z - END_PLAY_MM
+    lower, upper, gear = drive.bearings.input_lower, drive.bearings.input_upper, drive.gearhead
+    bottom = levels.motor_shelf_top_z + drive.screw(gear.screw).head_height_mm + 0.5
+    journals = {
+        "journal_bottom_z": bottom,
+        "lower_journal_radius": lower.bore_mm / 2,
+        "lower_neck_bottom_z": levels.bearing_shelf_top_z,
+        "upper_neck_top_z": levels.upper_neck_top_z,
+        "upper_journal_radius": upper.bore_mm / 2,
+        "journal_top_z": levels.top_plate_top_z + ENCODER_INSERTION_MM,
+        "bore_radius": gear.shaft_diameter_mm / 2,
+        "bore_top_z": levels.motor_shelf_bottom_z + gear.shaft_length_mm + 0.5,
+        "slit_width": JOURNAL_SLIT_MM,
+        "slit_top_z": bottom + collar_width_mm(drive) + 1.0,
+    }
+    return InputPulleyDims(**journals | own)
 
 
 class SectorLayout(Layout):
@@ -72,6 +59,8 @@ class SectorLayout(Layout):
     drive: SectorDrive
     # The part that the drum turns in front of.
     frame_name: ClassVar[str] = "frame"
+    # The body on which the cables run before the drum.
+    before_drum: ClassVar[str] = "input pulley"
 
     def __init__(self, drive: SectorDrive, **given: Any) -> None:
         super().__init__(drive, **given)
@@ -79,9 +68,9 @@ class SectorLayout(Layout):
         self.steps: tuple[SectorRun, ...] = tuple(sorted(drive.cables, key=lambda cable: cable.step))
 
     @property
-    @abstractmethod
     def mounting(self) -> MountScrew:
         """The screw that holds the frame on what it is mounted on."""
+        return MOUNT_SCREWS[self.drive.support.mount_screw]
 
     @property
     def mount_washers(self) -> bool:
@@ -154,23 +143,18 @@ class SectorLayout(Layout):
 
     @property
     @abstractmethod
-    def before_drum(self) -> str:
-        """The body on which the cables run before the drum, in words."""
-
-    @property
-    @abstractmethod
     def steps_before_drum(self) -> tuple[tuple[float, float], ...]:
         """(surface radius, lowest height along Z) of the steps of that body, mm."""
 
     @property
-    @abstractmethod
     def motor_shelf_mm(self) -> float:
         """Thickness of the shelf that carries a gearhead."""
+        return float(self.drive.support.motor_shelf_mm)
 
     @property
-    @abstractmethod
     def encoder_plate_mm(self) -> float:
         """Thickness of the plate that carries an input's encoder."""
+        return float(self.drive.support.encoder_shelf_mm)
 
     def groove_ratio(self, body: str) -> float | None:
         """See the base class."""
@@ -199,7 +183,7 @@ class SectorLayout(Layout):
 
     def levels_of(self, index: int) -> InputLevels:
         """Heights along the axis of the input with this index; here all inputs have the same."""
-        return self.levels
+        return self.input_levels
 
     def input_bearings_mm(self, index: int) -> tuple[float, float]:
         """Middles of the bearings next to the gearhead and to the encoder of an input, in its levels."""
@@ -227,9 +211,9 @@ class SectorLayout(Layout):
         """Length in mm that each terminal tensions, drum centred, in the order of the design's cables."""
         return [path.length_mm for path in self.cable_paths(0.0)]
 
-    @abstractmethod
     def input_wrap_rad(self, cable: SectorRun, drum_angle_rad: float) -> float:
         """Wrap of a cable on its input at a drum angle."""
+        return float(self.module("cable_path").input_wrap_rad(self.drive, cable, drum_angle_rad))
 
     @property
     def most_wrap_rad(self) -> float:
@@ -288,27 +272,12 @@ class SectorLayout(Layout):
 class HeadLayout(SectorLayout):
     """A design with a motor head for each input."""
 
-    drive: HeadedDrive
+    drive: SectorDrive
 
     @property
     @abstractmethod
     def head(self) -> HeadDims:
         """Motor head."""
-
-    @property
-    def before_drum(self) -> str:
-        """See the base class."""
-        return "input pulley"
-
-    @property
-    def encoder_plate_mm(self) -> float:
-        """See the base class."""
-        return self.drive.support.encoder_shelf_mm
-
-    @property
-    def motor_shelf_mm(self) -> float:
-        """See the base class."""
-        return self.drive.support.motor_shelf_mm
 
 
 def wraps_over_travel(layout: SectorLayout) -> tuple[tuple[float, ...], tuple[CableWraps, ...]]:

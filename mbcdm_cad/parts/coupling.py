@@ -15,12 +15,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import cos, hypot, pi, sin, sqrt
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mbcdm_cad.design.bought import Gearhead, Screw
 from mbcdm_cad.design.stage import BELT_SIDE_MM, DENSITY_G_CM3, FLANGE_MM, FLANGE_WIDTH_MM, Stage
+from mbcdm_cad.parts.drum_sector.design import SectorDrive
 from mbcdm_cad.parts.fits import FITS, thread
 from mbcdm_cad.parts.milled import PlainRing, Step, Turned, block, cylinder
 from mbcdm_cad.parts.part import BoughtPart, MadePart, Ring
@@ -31,25 +31,12 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 
-# Default screw: it holds the torque of gearheads of 16 mm.
-COLLAR_SCREW = "M1.6x6"
 COLLAR_SLIT_MM = 1.0
 HEAD_PLAY_MM = 0.1
 # Collar above and below its screw's head, and beyond a grip of one shaft's diameter.
 HEAD_EDGE_MM = 0.2
 # Collar over the heads of the gearhead's screws.
 COLLAR_OVER_HEADS_MM = 0.8
-
-
-class Coupled(Protocol):
-    """The data of a drive from which its collars are dimensioned."""
-
-    @property
-    def gearhead(self) -> Gearhead:
-        """The gearhead whose shaft is clamped."""
-
-    def screw(self, name: str) -> Screw:
-        """A screw of the catalogue."""
 
 
 @dataclass(frozen=True)
@@ -66,51 +53,54 @@ class CollarDims:
     head_seat: float  # along the screw, from the slit's middle to the head's seat
 
 
-def _section(drive: Coupled, bore_mm: float, min_wall_mm: float, screw_name: str) -> tuple[float, float, float]:
-    """Outer radius, screw's distance from the axis, and its seat's distance from the slit's middle."""
-    screw = drive.screw(screw_name)
-    bore, wall = bore_mm / 2, min_wall_mm
+def _section(drive: SectorDrive) -> tuple[float, float, float, float]:
+    """Bore's and outer radius, screw's distance from the axis, and its seat's distance from the slit's middle.
+
+    With a stage the collar clamps the driven wheel's hub, which is on the journal at the gearhead.
+    """
+    journal, wall = drive.bearings.input_lower.bore_mm, drive.frame_material.min_wall_mm
+    bore = journal / 2 if drive.stage is None else hub_radius_mm(journal)
+    screw = drive.screw(drive.input_pulleys.collar_screw)
     offset = bore + wall + screw.clearance_mm / 2
     inner_edge = offset - screw.head_diameter_mm / 2 - HEAD_PLAY_MM
     # Below the flat a wall remains round the bore, and one beside the slit.
     seat = max(sqrt(max(0.0, (bore + wall) ** 2 - inner_edge**2)), COLLAR_SLIT_MM / 2 + 1.0)
     # The thread has a wall around it up to the screw's end.
-    return hypot(offset + screw.thread_mm / 2 + wall, screw.length_mm - seat), offset, seat
+    return bore, hypot(offset + screw.thread_mm / 2 + wall, screw.length_mm - seat), offset, seat
 
 
-def collar_width_mm(drive: Coupled, screw_name: str = COLLAR_SCREW) -> float:
+def collar_width_mm(drive: SectorDrive) -> float:
     """Least width, mm, for the screw's head and a grip length of one shaft diameter.
 
     It is not larger, because in the coupling space the collar must pass over the end of the gearhead's shaft.
     """
-    head, shaft = drive.screw(screw_name).head_diameter_mm, drive.gearhead.shaft_diameter_mm
+    head, shaft = drive.screw(drive.input_pulleys.collar_screw).head_diameter_mm, drive.gearhead.shaft_diameter_mm
     return max(head + 2 * HEAD_EDGE_MM, shaft + HEAD_EDGE_MM)
 
 
-def collar_sweep_mm(drive: Coupled, bore_mm: float, min_wall_mm: float, screw_name: str = COLLAR_SCREW) -> float:
-    """Radius that collar and screw sweep about the pulley's axis; ``bore_mm`` fits the journal that it clamps."""
-    radius, offset, seat = _section(drive, bore_mm, min_wall_mm, screw_name)
-    screw = drive.screw(screw_name)
+def collar_sweep_mm(drive: SectorDrive) -> float:
+    """Radius that collar and screw sweep about the pulley's axis."""
+    (_, radius, offset, seat), screw = _section(drive), drive.screw(drive.input_pulleys.collar_screw)
     return max(radius, hypot(offset + screw.head_diameter_mm / 2, seat + screw.head_height_mm))
 
 
-def collar_over_shelf_mm(drive: Coupled) -> float:
+def collar_over_shelf_mm(drive: SectorDrive) -> float:
     """Height of the collar over the motor shelf: just above the heads of the gearhead's screws."""
     return drive.screw(drive.gearhead.screw).head_height_mm + COLLAR_OVER_HEADS_MM
 
 
-def collar(drive: Coupled, bore_mm: float, min_wall_mm: float, screw_name: str, motor_shelf_top_z: float) -> CollarDims:
+def collar(drive: SectorDrive, motor_shelf_top_z: float) -> CollarDims:
     """Collar about its own axis, heights as in the assembly: just above the gearhead's screws, whose heads lie on the
     motor shelf."""
-    radius, offset, seat = _section(drive, bore_mm, min_wall_mm, screw_name)
+    bore, radius, offset, seat = _section(drive)
     bottom = motor_shelf_top_z + collar_over_shelf_mm(drive)
     return CollarDims(
-        bore_radius=bore_mm / 2,
+        bore_radius=bore,
         radius=radius,
         bottom_z=bottom,
-        top_z=bottom + collar_width_mm(drive, screw_name),
+        top_z=bottom + collar_width_mm(drive),
         slit_width=COLLAR_SLIT_MM,
-        screw=screw_name,
+        screw=drive.input_pulleys.collar_screw,
         screw_offset=offset,
         head_seat=seat,
     )

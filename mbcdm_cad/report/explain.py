@@ -128,12 +128,9 @@ def explain_field(loaded: LoadedDesign, field: str) -> Explained:
     record = next((value for value in loaded.sized if value.field == field), None)
     if record is not None:
         return Explained(field, record.value, False, record)
-    value = value_at(loaded.design.model_dump(mode="json"), field)
-    if value is None:
-        known = [
-            *(sized.field for sized in loaded.sized),
-            *(name for name, _ in leaves(loaded.design.model_dump(mode="json"))),
-        ]
+    whole = loaded.design.model_dump(mode="json")
+    value, known = value_at(whole, field), [*(v.field for v in loaded.sized), *(name for name, _ in leaves(whole))]
+    if value is None and field not in known:
         raise MbcdmError(f"{loaded.path}: {field}: no such field; {did_you_mean(field, known)}")
     data = loaded.given
     given = value_at(data, field) is not None
@@ -186,7 +183,8 @@ def _chain(loaded: LoadedDesign, field: str) -> Iterator[str]:
     entry = explain_field(loaded, field)
     yield f"{field} = {_short(entry.value)}"
     if entry.given or entry.record is None:
-        yield "  given in the file" if entry.given else "  left out; its default"
+        default = "  left out, and no rule fills it" if entry.value is None else "  left out; its default"
+        yield "  given in the file" if entry.given else default
     if entry.given and entry.record is not None:
         yield f"  its rule gives {_short(entry.record.value)} ({entry.record.reason})"
     sized = {value.field: value for value in loaded.sized}

@@ -10,7 +10,6 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.fields import ESTIMATE, EntryName, Number, PlainBlock, choice, quantity
 from mbcdm_cad.design.sector_blocks import TransferClearances, WoundPulleys
 from mbcdm_cad.parts.drum_sector.design import SectorBearings, SectorDrive, SectorRun
-from mbcdm_cad.parts.fits import MOUNT_SCREWS, MountScrew
 
 
 @dataclass(frozen=True)
@@ -73,11 +72,6 @@ class Support(PlainBlock):
     mount_screw: Literal["M3", "M4", "M5", "M6"] = choice(
         "screws that hold the frame on its base, on washers if the frame is printed", source=ESTIMATE, reference="M3"
     )
-
-    @property
-    def mount(self) -> MountScrew:
-        """The screw that holds the frame on its base."""
-        return MOUNT_SCREWS[self.mount_screw]
 
 
 @dataclass(frozen=True)
@@ -146,11 +140,6 @@ class BevelDrive(SectorDrive):
     def turn_deg(self, x_mm: float) -> float:
         """How far gearhead and motor of the input at this x are turned, seen against the shaft: both sides mirror."""
         return self.gearhead_angle_deg if x_mm > 0.0 else 0.0 - self.gearhead_angle_deg
-
-    @property
-    def collar_seat(self) -> tuple[float, float, str]:
-        """Bore of the clamp collar in mm, which the pulley's lower journal has, its thinnest wall in mm, its screw."""
-        return self.bearings.input_lower.bore_mm, self.frame_material.min_wall_mm, self.input_pulleys.collar_screw
 
 
 def bevel(drive: Drive) -> BevelDrive:

@@ -10,8 +10,8 @@ from math import radians, tan, tau
 
 from mbcdm_cad.layouts.miso_bevel.cable_path import fleet_angle_deg, winding
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
-from mbcdm_cad.layouts.sector import END_PLAY_MM
 from mbcdm_cad.model.tolerance import Contribution
+from mbcdm_cad.parts.drum_sector.design import END_PLAY_MM
 from mbcdm_cad.parts.making import axial_play_mm, body_accuracy, land_band_mm, rope_band_mm
 
 _NEWTON_STEPS = 12

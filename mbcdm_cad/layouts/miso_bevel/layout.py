@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 from mbcdm_cad.checks.design_variables import ALL_RADII, DRUM, SHARED, DesignVariable, by_path, field, lengths, radii
 from mbcdm_cad.layouts.base import Conventions, NoFigureError, dimensions
-from mbcdm_cad.layouts.miso_bevel.cable_path import input_wrap_rad
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun, Support
 from mbcdm_cad.layouts.miso_bevel.pulleys import axle, drum, guide, input_pulley
 from mbcdm_cad.layouts.miso_bevel.stack import Stack, stack
@@ -17,9 +16,7 @@ from mbcdm_cad.layouts.miso_bevel.support.dims import FrameDims, TopPlateDims, f
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.model.losses import BearingPair, body_bearings
 from mbcdm_cad.parts.coupling import CollarDims, collar
-from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
-from mbcdm_cad.parts.fits import MountScrew
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.turned import AxleDims, IdlerDims
 from mbcdm_cad.routes import Floats
@@ -37,25 +34,16 @@ def _radii_explicit(drive: BevelDrive) -> bool:
     return drive.radii_explicit
 
 
-def _all_radii(drive: BevelDrive) -> tuple[str, str]:
-    return (ALL_RADII, "") if drive.radii_explicit else ("transmission.drum_radii_mm", " (the others follow)")
-
-
-def _first_drum_mm(drive: BevelDrive) -> float:
-    return drive.cables[0].drum_radius_mm
-
-
-def _total_ratio(drive: BevelDrive) -> float:
-    return drive.cables[0].drum_radius_mm / drive.cables[0].input_radius_mm
-
-
+# Whether the radii are explicit: what a remedy scales, and what it adds.
+_SHOWN = {True: (ALL_RADII, ""), False: ("transmission.drum_radii_mm", " (the others follow)")}
 VARIABLES: dict[str, DesignVariable] = by_path(
     (
         *SHARED,
         field("transmission.centre_distance_mm", "centre_distance_mm"),
         field("transmission.input_setback_mm", "input_setback_mm"),
         radii(ALL_RADII, ("drum_radius_mm", "guide_radius_mm", "input_radius_mm"))._replace(
-            shown=_all_radii, short=("transmission.drum_radius_mm", _first_drum_mm)
+            shown=lambda drive: _SHOWN[drive.radii_explicit],
+            short=("transmission.drum_radius_mm", lambda drive: drive.cables[0].drum_radius_mm),
         ),
         radii("transmission.input_radii_mm", ("input_radius_mm",))._replace(applies=_radii_explicit),
         radii("transmission.guide_radii_mm", ("guide_radius_mm",))._replace(applies=_radii_explicit),
@@ -65,7 +53,10 @@ VARIABLES: dict[str, DesignVariable] = by_path(
             _input_ratio,
             applies=lambda drive: not drive.radii_explicit,
             asked=True,
-            short=("transmission.ratio", _total_ratio),
+            short=(
+                "transmission.ratio",
+                lambda drive: drive.cables[0].drum_radius_mm / drive.cables[0].input_radius_mm,
+            ),
         ),
         field("rope.helix_lead_mm", "helix_lead_mm"),
         field("rope.dead_turns", "dead_turns"),
@@ -83,6 +74,7 @@ class BevelLayout(SectorLayout):
     name = "miso_bevel"
     title = "two inputs, a guide and a bevel transfer to the drum (Fig. 1 d)"
     variables = VARIABLES
+    before_drum = "guide"
     conventions = Conventions(
         frame="Frame: origin where drum axis (Y) and guide axis (Z) meet; input pulleys at x = -L and +L; "
         "lengths in mm.",
@@ -101,11 +93,6 @@ class BevelLayout(SectorLayout):
                 f"the {shelf} shelf comes to z = {levels.shelf_bottom_z:.4g} mm, below the drum's axis (limit 0): "
                 f"pulleys, {between} and shelves are higher than the drum's radius"
             )
-
-    @property
-    def mounting(self) -> MountScrew:
-        """See the base class."""
-        return self.drive.support.mount
 
     @property
     def mount_washers(self) -> bool:
@@ -133,7 +120,7 @@ class BevelLayout(SectorLayout):
     @dimensions
     def collar(self) -> CollarDims:
         """Clamp collar of each input pulley."""
-        return collar(self.drive, *self.drive.collar_seat, self.levels.from_gearhead.motor_shelf_top_z)
+        return collar(self.drive, self.levels.from_gearhead.motor_shelf_top_z)
 
     @dimensions
     def guide(self) -> IdlerDims:
@@ -186,20 +173,10 @@ class BevelLayout(SectorLayout):
         return top_plate(self.drive, self.levels)
 
     @property
-    def before_drum(self) -> str:
-        """See the base class."""
-        return "guide"
-
-    @property
     def steps_before_drum(self) -> tuple[tuple[float, float], ...]:
         """See the base class."""
         guide = self.guide
         return tuple(zip(guide.surface_radii, (guide.bottom_z, *guide.walls_z), strict=True))
-
-    @property
-    def motor_shelf_mm(self) -> float:
-        """See the base class."""
-        return self.drive.support.motor_shelf_mm
 
     @property
     def encoder_plate_mm(self) -> float:
@@ -216,18 +193,10 @@ class BevelLayout(SectorLayout):
         """See the base class."""
         return self.levels.from_gearhead
 
-    def levels_of(self, index: int) -> Stack:
-        """See the base class."""
-        return self.input_levels
-
     @property
     def slips_on_passed(self) -> bool:
         """See the base class."""
         return self.drive.guide_slips
-
-    def input_wrap_rad(self, cable: SectorRun, drum_angle_rad: float) -> float:
-        """See the base class."""
-        return input_wrap_rad(self.drive, cable, drum_angle_rad)
 
 
 LAYOUT = BevelLayout

@@ -15,7 +15,7 @@ from math import hypot, pi, radians, tau
 from mbcdm_cad.layouts.miso_bevel.cable_path import stop_of, winding
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.stack import Band, Stack, band, outward_of
-from mbcdm_cad.parts.coupling import collar_width_mm
+from mbcdm_cad.layouts.sector import coupled_pulley
 from mbcdm_cad.parts.drum_sector import sizes
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, furthest_anchor_rad
@@ -72,16 +72,12 @@ def input_pulley(drive: BevelDrive, in_assembly: Stack, name: str) -> dims.Input
         for w, slot in zip((low, high), slots, strict=True)
         if drive.input_pulleys.grooved
     )
-    gear = drive.gearhead
-    shaft_end = levels.motor_shelf_bottom_z + gear.shaft_length_mm
-    journal_bottom = levels.motor_shelf_top_z + drive.screw(gear.screw).head_height_mm + 0.5
-    return dims.InputPulleyDims(
+    return coupled_pulley(
+        drive,
+        levels,
         name=name,
         x=low.cable.input_side * drive.input_x_mm,
         y=drive.input_y_mm,
-        journal_bottom_z=journal_bottom,
-        lower_journal_radius=bearings.input_lower.bore_mm / 2,
-        lower_neck_bottom_z=levels.bearing_shelf_top_z,
         lower_neck_radius=dims.neck_radius_mm(bearings.input_lower.inner_shoulder_mm, low.stop),
         land_bottom_z=land_bottom,
         lower_surface_radius=low.cable.input_radius_mm - flank,
@@ -89,13 +85,6 @@ def input_pulley(drive: BevelDrive, in_assembly: Stack, name: str) -> dims.Input
         upper_surface_radius=high.cable.input_radius_mm - flank,
         land_top_z=land_top,
         upper_neck_radius=dims.neck_radius_mm(bearings.input_upper.inner_shoulder_mm, high.stop),
-        upper_neck_top_z=levels.upper_neck_top_z,
-        upper_journal_radius=bearings.input_upper.bore_mm / 2,
-        journal_top_z=levels.top_plate_top_z + dims.ENCODER_INSERTION_MM,
-        bore_radius=gear.shaft_diameter_mm / 2,
-        bore_top_z=shaft_end + 0.5,
-        slit_width=dims.JOURNAL_SLIT_MM,
-        slit_top_z=journal_bottom + collar_width_mm(drive, drive.input_pulleys.collar_screw) + 1.0,
         slots=slots,
         grooves=grooves,
     )

@@ -22,8 +22,8 @@ from math import radians, sqrt
 from mbcdm_cad.layouts.miso_bevel.cable_path import axial_walk_mm, guide_landing_walk_mm
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.plate_screws import Edges, beside_box_mm
-from mbcdm_cad.layouts.sector import END_PLAY_MM, SHELF_GAP_MM, InputLevels
 from mbcdm_cad.parts.coupling import collar_sweep_mm
+from mbcdm_cad.parts.drum_sector.design import END_PLAY_MM, SHELF_GAP_MM, InputLevels
 from mbcdm_cad.parts.drum_sector.sizes import terminal_half_mm
 from mbcdm_cad.parts.input_pulley.dims import helix_stop_land_mm
 from mbcdm_cad.parts.motor_head.dims import TOOL_SLENDERNESS
@@ -194,7 +194,7 @@ def _widest_mm(drive: BevelDrive, edges: Edges) -> float:
     pulley = max(c.input_radius_mm for c in drive.cables) + drive.cable.diameter_mm / 2
     if not drive.motors_above:
         drives = max(drive.gearhead.diameter_mm / 2, drive.motor.diameter_mm / 2)
-        return max(drives, pulley, collar_sweep_mm(drive, *drive.collar_seat)) + running
+        return max(drives, pulley, collar_sweep_mm(drive)) + running
     # The encoder lies on the underside of the shelf, where the pocket's corner is.
     encoder = drive.encoder.diameter_mm / 2 + _beside_corner_mm(edges.corner_mm, 0.0, running)
     return max(pulley + running, encoder, beside_box_mm(drive, edges) - drive.support.side_wall_mm / 2)

@@ -5,7 +5,6 @@ A cable runs: chord through the input pulley (swaged stop) - inward bend - arc o
 leave this plane.
 """
 
-from dataclasses import dataclass
 from math import acos, atan2, cos, degrees, hypot, pi, radians, sin
 
 import numpy as np
@@ -13,8 +12,8 @@ import numpy as np
 from mbcdm_cad.layouts.bevel_transfer import ON_DRUM, on_drum
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive, DirectRun
 from mbcdm_cad.parts.drum_sector.design import SectorRun
-from mbcdm_cad.parts.input_pulley.dims import SLOT_PLAY_MM, WEDGE_MM
-from mbcdm_cad.routes.curves import Arc, CablePath, Line, Piece, Stretch, triple
+from mbcdm_cad.parts.input_pulley.dims import SLOT_PLAY_MM, STOP_PIECES, WEDGE_MM, StopGeometry, stop_pieces
+from mbcdm_cad.routes.curves import Arc, CablePath, Piece, Stretch
 
 # The bend before the stop, D/d: the sharpest usual static bend, so that the slot uses a small angle of the turn.
 STOP_BEND_RATIO = 8.0
@@ -26,43 +25,38 @@ DIP_GAP_MM = 0.1
 TRANSFER_RAD = pi / 2
 
 
-@dataclass(frozen=True)
-class StopBend:
-    """End of a cable in the input pulley: a bend inward in the plane of its step, then a chord with the swaged stop.
+def stop_of(drive: DirectDrive, cable: DirectRun) -> StopGeometry:
+    """The cable's end in the input pulley, in the plane of its step; the chord counts from the pulley's middle plane.
 
-    Positions along the chord are measured from the pulley's middle plane through the axis, positive towards the bend.
-    ``taken_rad``: angle by which the winding must end before a whole turn, so that the cable that leaves there clears
-    the end and still lies on land.
+    Raises ValueError if the pulley is too small for the bend.
     """
-
-    bend_radius_mm: float
-    stop_radius_mm: float
-    stop_start_mm: float
-    stop_end_mm: float
-    taken_rad: float
-
-
-def stop_bend(drive: DirectDrive, cable: DirectRun) -> StopBend:
-    """The end of a cable in the input pulley. Raises ValueError if the pulley is too small for the bend."""
     d, r = drive.cable.diameter_mm, cable.input_radius_mm
     rho = STOP_BEND_RATIO * d / 2
-    centre = r - rho
-    start = centre - STOP_LEAD_MM
+    start = r - rho - STOP_LEAD_MM
     end = start - drive.termination.stop_length_ratio * d
     if end <= 0.0:
         raise ValueError(
             f"input radius {r:g} mm of {cable.name} leaves no room for the bend of {rho:.4g} mm and the stop behind it"
         )
+    wound_to, stop = TRANSFER_RAD + cable.drum_side * input_wrap_rad(drive, cable, 0.0), drive.termination
+    return StopGeometry(wound_to, cable.drum_side, rho, rho, 0.0, stop.stop_radius_ratio * d, start, end)
 
+
+def taken_rad(drive: DirectDrive, cable: DirectRun) -> float:
+    """Angle by which a cable's winding must end before a whole turn.
+
+    The cable that leaves there then clears the end, and still lies on land. Raises as :func:`stop_of` does.
+    """
+    d, r, rho = drive.cable.diameter_mm, cable.input_radius_mm, stop_of(drive, cable).bend_radius_mm
     # The cable that leaves a full pulley is straight after the transfer. The end of the winding, this angle before a
     # full turn, comes near to that line where it bends inward; the least distance is (r - rho)(1 - cos angle)
     # (derived).
+    centre = r - rho
     passing = acos(max(-1.0, 1.0 - (d + DIP_GAP_MM) / centre))
     outer = rho + (d + SLOT_PLAY_MM) / 2
     cosine = ((r - d / 2 - WEDGE_MM) ** 2 - centre**2 - outer**2) / (2 * centre * outer)
     turned = acos(min(1.0, max(-1.0, cosine)))
-    opened = atan2(outer * sin(turned), centre + outer * cos(turned))
-    return StopBend(rho, drive.termination.stop_radius_ratio * d, start, end, max(passing, opened))
+    return max(passing, atan2(outer * sin(turned), centre + outer * cos(turned)))
 
 
 def input_wrap_rad(drive: DirectDrive, cable: SectorRun, drum_angle_rad: float) -> float:
@@ -74,13 +68,12 @@ def input_wrap_rad(drive: DirectDrive, cable: SectorRun, drum_angle_rad: float) 
 
 def full_input_turn_deg(drive: DirectDrive, cable: DirectRun) -> float:
     """i x full travel + reserve + angle of the stop's slot, deg: together they must fit on one turn of the input."""
-    return degrees(input_wrap_rad(drive, cable, -cable.drum_side * radians(drive.half_travel_deg))) + degrees(
-        stop_bend(drive, cable).taken_rad
-    )
+    wound = input_wrap_rad(drive, cable, -cable.drum_side * radians(drive.half_travel_deg))
+    return degrees(wound) + degrees(taken_rad(drive, cable))
 
 
 # The stretches of a cable by the body that carries them.
-WOUND = ("chord", "bend", "wound")
+WOUND = (*STOP_PIECES, "wound")
 
 
 def cable_path(
@@ -92,17 +85,12 @@ def cable_path(
     centred; ``tail_mm``: straight length from there into the terminal.
     """
     side, r_m, r_o = cable.drum_side, cable.input_radius_mm, cable.drum_radius_mm
-    stop = stop_bend(drive, cable)
-    rho = stop.bend_radius_mm
     end = TRANSFER_RAD + side * input_wrap_rad(drive, cable, drum_angle_rad)
     radial = np.array([cos(end), sin(end), 0.0])
     onward = side * np.array([-sin(end), cos(end), 0.0])
-    centre = (r_m - rho) * radial + np.array([0.0, 0.0, r_o])
-    bend_end = centre + rho * onward
-    chord_end = bend_end - radial * ((r_m - rho) - stop.stop_end_mm)
+    inside = stop_pieces(r_m * radial + np.array([0.0, 0.0, r_o]), radial, onward, r_m, stop_of(drive, cable))
     pieces: tuple[tuple[str, Piece], ...] = (
-        ("chord", Line(triple(chord_end), triple(bend_end))),
-        ("bend", Arc(triple(centre), triple(radial), triple(onward), rho, pi / 2, 0.0)),
+        *zip(STOP_PIECES, inside, strict=True),
         ("wound", Arc((0.0, 0.0, r_o), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), r_m, end, TRANSFER_RAD)),
         *on_drum(cable, anchor_rad + side * drum_angle_rad, tail_mm),
     )
@@ -112,7 +100,6 @@ def cable_path(
 
 def longest_mm(drive: DirectDrive, cable: DirectRun, anchor_rad: float) -> float:
     """Length of a cable that leaves its land at ``anchor_rad``, by its pieces; slightly more than the drawn path."""
-    stop = stop_bend(drive, cable)
-    ends = pi / 2 * stop.bend_radius_mm + hypot(STOP_LEAD_MM, 6.0 * drive.cable.diameter_mm)
+    ends = pi / 2 * stop_of(drive, cable).bend_radius_mm + hypot(STOP_LEAD_MM, 6.0 * drive.cable.diameter_mm)
     wound = cable.input_radius_mm * input_wrap_rad(drive, cable, 0.0)
     return wound + cable.drum_radius_mm * anchor_rad + ends

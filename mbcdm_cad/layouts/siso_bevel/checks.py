@@ -14,7 +14,7 @@ from mbcdm_cad.checks.input_pulley import pulley_checks
 from mbcdm_cad.checks.motor_head import boss_walls, encoder_shelf
 from mbcdm_cad.checks.ratios import (
     SURFACE_TOLERANCE_MM,
-    anchor_check,
+    anchor_bend,
     bending_checks,
     pair_mismatch,
     spread,
@@ -31,7 +31,7 @@ from mbcdm_cad.checks.transfer import (
     transmission_error,
 )
 from mbcdm_cad.layouts.bevel_transfer import wrap_checks
-from mbcdm_cad.layouts.siso_bevel.cable_path import full_input_turn_deg, stop_bend
+from mbcdm_cad.layouts.siso_bevel.cable_path import full_input_turn_deg, taken_rad
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.layouts.siso_bevel.support.dims import MOUNT_HEAD_ROOM_MM, POCKET_FLAT_MM
@@ -84,12 +84,6 @@ def cut_at_pitch(s: DirectLayout) -> Findings:
         )
 
 
-def _stop_bends_mm(s: DirectLayout) -> Iterator[tuple[str, float]]:
-    s.require_geometry()  # without a layout there is no room for a stop
-    for c in s.steps:
-        yield c.name, stop_bend(s.drive, c).bend_radius_mm
-
-
 def _ratio_that_fits(s: DirectLayout) -> str:
     """Remedy: the highest ratio for this travel, which the paper calls restricted within the available work space."""
     try:
@@ -116,7 +110,7 @@ def input_under_turn(s: DirectLayout) -> Findings:
     """Sum of ratio x full travel, reserve and the angle of the stop's slot, compared with one turn of the input."""
     s.require_geometry()  # without a layout there is no slot
     for c in s.steps:
-        ratio, taken = c.drum_radius_mm / c.input_radius_mm, degrees(stop_bend(s.drive, c).taken_rad)
+        ratio, taken = c.drum_radius_mm / c.input_radius_mm, degrees(taken_rad(s.drive, c))
         travel = 2 * s.drive.half_travel_deg
         note = f"{ratio:.4g} x {travel:g} deg of travel + {s.drive.reserve_deg:g} reserve + {taken:.3g} for the slot"
         what = f"turn of the input that {c.name} takes up"
@@ -138,8 +132,7 @@ def highest_ratio(drive: DirectDrive) -> float:
     ratio = 1.0
     for _ in range(_ROUNDS):
         taken = max(
-            degrees(stop_bend(drive, replace(c, input_radius_mm=c.drum_radius_mm / ratio)).taken_rad)
-            for c in drive.cables
+            degrees(taken_rad(drive, replace(c, input_radius_mm=c.drum_radius_mm / ratio))) for c in drive.cables
         )
         ratio = (TURN_DEG - drive.reserve_deg - taken) / (2 * drive.half_travel_deg)
         if ratio <= 0.0:
@@ -355,7 +348,7 @@ FAMILIES = families(
             surface_radius,
             cut_at_pitch,
             *bending_checks(_LARGER),
-            anchor_check(_stop_bends_mm, _LARGER),
+            anchor_bend.but(adjust=_LARGER),
         ),
     ),
     Family(

@@ -5,9 +5,7 @@ from typing import ClassVar, Literal
 
 from mbcdm_cad.design.fields import ESTIMATE, EntryName, Number, choice, quantity
 from mbcdm_cad.design.sector_blocks import HeadSupport, TransferClearances
-from mbcdm_cad.parts.drum_sector.design import SectorRun
-from mbcdm_cad.parts.fits import MOUNT_SCREWS, MountScrew
-from mbcdm_cad.parts.motor_head.dims import HeadedDrive
+from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorRun
 
 # Source of the walls that stiffen the frame.
 CHOSEN = "for limits.frame_windup_max_mrad"
@@ -55,14 +53,9 @@ class ColumnSupport(HeadSupport):
         "screws that hold the frame on its base", source=ESTIMATE, reference="M3", default="M3"
     )
 
-    @property
-    def mount(self) -> MountScrew:
-        """The screw that holds the frame on its base."""
-        return MOUNT_SCREWS[self.mount_screw]
-
 
 @dataclass(frozen=True)
-class DirectDrive(HeadedDrive):
+class DirectDrive(SectorDrive):
     """A drive whose one input turns the drum without a guide.
 
     ``reserve_deg``: wrap that stays on the input at the unwound end of the travel.

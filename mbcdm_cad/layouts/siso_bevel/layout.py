@@ -6,16 +6,14 @@ from functools import cached_property
 from mbcdm_cad.checks import design_variables
 from mbcdm_cad.layouts.base import Conventions, dimensions
 from mbcdm_cad.layouts.sector import HeadLayout
-from mbcdm_cad.layouts.siso_bevel.cable_path import input_wrap_rad, longest_mm
+from mbcdm_cad.layouts.siso_bevel.cable_path import longest_mm
 from mbcdm_cad.layouts.siso_bevel.drive import ColumnSupport, DirectDrive, DirectRun
 from mbcdm_cad.layouts.siso_bevel.pulley import input_pulley
 from mbcdm_cad.layouts.siso_bevel.stack import DirectStack, direct_stack
 from mbcdm_cad.layouts.siso_bevel.support.dims import ColumnDims, column, flange
 from mbcdm_cad.parts.coupling import CollarDims, collar
-from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, furthest_anchor_rad
-from mbcdm_cad.parts.fits import MountScrew
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import HeadDims, head
 from mbcdm_cad.parts.terminal import terminal_travel_mm
@@ -66,11 +64,6 @@ class DirectLayout(HeadLayout):
         furthest = furthest_anchor_rad(self.drive)
         return terminal_travel_mm(self.drive, {c.name: longest_mm(self.drive, c, furthest) for c in self.drive.cables})
 
-    @property
-    def mounting(self) -> MountScrew:
-        """See the base class."""
-        return self.drive.support.mount
-
     @cached_property
     def levels(self) -> DirectStack:
         """Heights and depths."""
@@ -94,7 +87,7 @@ class DirectLayout(HeadLayout):
     @dimensions
     def collar(self) -> CollarDims:
         """Clamp collar of the pulley."""
-        return collar(self.drive, *self.drive.collar_seat, self.levels.motor_shelf_top_z)
+        return collar(self.drive, self.levels.motor_shelf_top_z)
 
     @dimensions
     def head(self) -> HeadDims:
@@ -106,10 +99,6 @@ class DirectLayout(HeadLayout):
         """See the base class."""
         pulley = self.inputs[0]
         return (pulley.upper_surface_radius, -pulley.land_top_z), (pulley.lower_surface_radius, -pulley.wall_z)
-
-    def input_wrap_rad(self, cable: SectorRun, drum_angle_rad: float) -> float:
-        """See the base class."""
-        return input_wrap_rad(self.drive, cable, drum_angle_rad)
 
 
 LAYOUT = DirectLayout

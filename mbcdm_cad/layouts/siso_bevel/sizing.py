@@ -10,20 +10,10 @@ from typing import Any
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Freedom
-from mbcdm_cad.layouts import common_freedoms
+from mbcdm_cad.layouts import common_freedoms, head_dims
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.common_rules import SCHEMA_VERSION, half_travel, missing_travel, needed, transfer_gap
 from mbcdm_cad.layouts.head_basis import LIMITS, METALS, ROPE_LIMITS, TRAIN, rope, taut_preload, taut_rope
-from mbcdm_cad.layouts.head_dims import (
-    bearing_shelf,
-    coupling_space,
-    drum_rules,
-    either,
-    encoder_shelf,
-    motor_shelf,
-    mount_screw,
-    side_wall,
-)
 from mbcdm_cad.layouts.head_parts import PARTS
 from mbcdm_cad.layouts.open_ratio import SizingRules
 from mbcdm_cad.layouts.siso_bevel.checks import LEAST_RESERVE_DEG, highest_ratio
@@ -86,19 +76,19 @@ def drum_radii(given: DirectKnown) -> Found:
 
 @rule("support.side_wall_mm", "usual walls, thick enough for the motor head's screws", "flange")
 def _side_wall(given: DirectKnown) -> Found:
-    return given.moved("support.side_wall_mm", side_wall(given), 0.1, ("flange", "collar_space", "walls"))
+    return given.moved("support.side_wall_mm", head_dims.side_wall(given), 0.1, ("flange", "collar_space", "walls"))
 
 
 @rule("support.back_plate_mm", "usual thickness for making it in its material", "walls")
 def back_plate(given: DirectKnown) -> float:
-    return rounded_up(max(either(given, "support", BACK_MM), given.wall_mm("support")), 0.1)
+    return rounded_up(max(head_dims.either(given, "support", BACK_MM), given.wall_mm("support")), 0.1)
 
 
 @rule("support.rib_mm", "usual thickness, or less for the height of its pockets", "pockets")
 def rib(given: DirectKnown) -> Found:
     """The usual thickness, or less if the pockets of a small drum else have no height."""
     least = given.wall_mm("support")
-    usual = max(either(given, "support", RIB_MM), least)
+    usual = max(head_dims.either(given, "support", RIB_MM), least)
     tried = [round(usual - 0.5 * k, 2) for k in range(ceil((usual - least) / 0.5))]
     return given.first("support.rib_mm", [*tried, least], ("pockets", "mounts"))
 
@@ -139,8 +129,16 @@ PRELOAD = (
 )
 TRANSFER = (land_edge, transfer_gap, drum_radii)
 RESERVE = (_reserve,)
-FRAME = (motor_shelf, back_plate, rib, bearing_shelf, encoder_shelf, coupling_space, _side_wall)
-DRUM = drum_rules("least width for lands and terminals", _outer_face)
+FRAME = (
+    head_dims.motor_shelf,
+    back_plate,
+    rib,
+    head_dims.bearing_shelf,
+    head_dims.encoder_shelf,
+    head_dims.coupling_space,
+    _side_wall,
+)
+DRUM = head_dims.drum_rules("least width for lands and terminals", _outer_face)
 
 
 class DirectKnown(TrialKnown):
@@ -193,7 +191,7 @@ RULES: tuple[Rule, ...] = (
     *RESERVE,
     *PARTS,
     *FRAME,
-    mount_screw(MOUNT_SCREWS, "mounts"),
+    head_dims.mount_screw(MOUNT_SCREWS, "mounts"),
     *DRUM,
     back,
 )

@@ -12,8 +12,8 @@ shelves follow from the pulley, the drive from the shelves. All mm.
 from dataclasses import dataclass
 from math import sqrt
 
-from mbcdm_cad.layouts.sector import END_PLAY_MM, SHELF_GAP_MM, InputLevels
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
+from mbcdm_cad.parts.drum_sector.design import END_PLAY_MM, SHELF_GAP_MM, LandLevels
 from mbcdm_cad.parts.drum_sector.sizes import terminal_half_mm
 from mbcdm_cad.parts.input_pulley.dims import stop_land_mm
 from mbcdm_cad.parts.motor_head.dims import TOOL_SLENDERNESS, flange_screw, inner_half_width_mm
@@ -26,11 +26,9 @@ PRINTED_CORNER_MM = 2.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class DirectStack(InputLevels):
+class DirectStack(LandLevels):
     """Levels; ``_z`` along -Z."""
 
-    land_bottom_z: float
-    land_top_z: float
     pocket_floor_y: float  # front surface of the back plate
     side_inner_x: float
     side_outer_x: float

@@ -15,10 +15,9 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.fields import ESTIMATE, EntryName, Number, choice, quantity
 from mbcdm_cad.design.sector_blocks import HeadSupport, SectorDrum, WoundPulleys
 from mbcdm_cad.layouts.siso_spur.idlers import SENSE, Circle, IdlerBlock, IdlerPlace, Strand, flange_radius_mm, taut
-from mbcdm_cad.parts.drum_sector.design import SectorBearings, SectorRun
+from mbcdm_cad.parts.drum_sector.design import SectorBearings, SectorDrive, SectorRun
 from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_DEPTH, GROOVE_RADIUS
-from mbcdm_cad.parts.motor_head.dims import HeadedDrive
 
 # Screws of the catalogue by their thread; their length depends on the base.
 MOUNT_BOLTS = {"M3": "M3x8", "M4": "M4x10", "M5": "M5x16", "M6": "M6x25"}
@@ -147,7 +146,7 @@ class SpurLimits(Limits):
 
 
 @dataclass(frozen=True)
-class SpurDrive(HeadedDrive):
+class SpurDrive(SectorDrive):
     """A drive with an input beside the drum: one cable round the input, both ends on the drum, or two anchored cables.
 
     ``turns``: number of times that the one cable passes the line of centres on the input, or that each of two

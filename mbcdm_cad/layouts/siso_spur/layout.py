@@ -24,7 +24,7 @@ from mbcdm_cad.checks.design_variables import (
 from mbcdm_cad.checks.fixings import STRESS_SAFETY
 from mbcdm_cad.layouts.base import Conventions, dimensions
 from mbcdm_cad.layouts.sector import HeadLayout
-from mbcdm_cad.layouts.siso_spur.cable_path import cable_paths, input_wrap_rad, longest_mm, side_length_mm
+from mbcdm_cad.layouts.siso_spur.cable_path import cable_paths, longest_mm, side_length_mm
 from mbcdm_cad.layouts.siso_spur.drive import MOST_SPREAD, PITCH_SPREAD, SpurDrive, SpurRun, YokeSupport, laid, spur
 from mbcdm_cad.layouts.siso_spur.first_stage import FirstStageUnit
 from mbcdm_cad.layouts.siso_spur.idlers import IdlerBlock, no_strand
@@ -48,7 +48,7 @@ from mbcdm_cad.parts.coupling import (
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, DrumDims, HubDowels
 from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, furthest_anchor_rad
-from mbcdm_cad.parts.fits import MOUNT_SCREWS, SHEAR_SHARE, MountScrew, MountThread
+from mbcdm_cad.parts.fits import SHEAR_SHARE, MountThread
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.making import land_band_mm
 from mbcdm_cad.parts.motor_head.dims import Flange, HeadDims, head
@@ -227,7 +227,7 @@ class SpurLayout(HeadLayout):
     def collar(self) -> CollarDims:
         """Clamp collar of the pulley."""
         drive, stage = self.drive, self.stage
-        found = collar(drive, *drive.collar_seat, self.levels.motor_shelf_top_z)
+        found = collar(drive, self.levels.motor_shelf_top_z)
         if stage is None:
             return found
         # On the hub of the driven wheel.
@@ -244,7 +244,7 @@ class SpurLayout(HeadLayout):
             drive.stage,
             self.levels.motor_shelf_top_z + collar_over_shelf_mm(drive),
             drive.bearings.input_lower.bore_mm,
-            collar_width_mm(drive, drive.input_pulleys.collar_screw),
+            collar_width_mm(drive),
             drive.gearhead.shaft_diameter_mm,
         )
 
@@ -285,11 +285,6 @@ class SpurLayout(HeadLayout):
         servo = self.drive.servo
         face = self.levels_of(index).motor_shelf_bottom_z + (servo.before_mm if servo is not None else 0.0)
         return face - self.drive.gearhead.span_mm, face
-
-    @property
-    def mounting(self) -> MountScrew:
-        """See the base class."""
-        return MOUNT_SCREWS[self.drive.support.mount_screw]
 
     @property
     def mount_thread(self) -> MountThread:
@@ -451,10 +446,6 @@ class SpurLayout(HeadLayout):
     def most_wrap_rad(self) -> float:
         """See the base class; a cable may lie on a whole drum in more than one turn."""
         return inf if self.drive.whole_drum else super().most_wrap_rad
-
-    def input_wrap_rad(self, cable: SectorRun, drum_angle_rad: float) -> float:
-        """See the base class; of each side."""
-        return input_wrap_rad(self.drive, cable, drum_angle_rad)
 
 
 def _dowels(drive: SpurDrive, sector: DrumDims) -> HubDowels:

@@ -11,16 +11,16 @@ In section, y to the right (front):
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Protocol
 
 from mbcdm_cad.design.bought import Screw, Servo
 from mbcdm_cad.layouts.base import Attachment
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, groove_depth_mm
 from mbcdm_cad.parts.bill import ALONG_Y, BillBuilder, Placement
 from mbcdm_cad.parts.bodies import screw_places
+from mbcdm_cad.parts.drum_sector.design import LandLevels
 from mbcdm_cad.parts.input_pulley.dims import HornFlange, InputPulleyDims, SetHub
 from mbcdm_cad.parts.input_pulley.items import add_horn
-from mbcdm_cad.parts.motor_head.dims import Flange, HeadLevels, Places, body_radius_mm
+from mbcdm_cad.parts.motor_head.dims import Flange, Places, body_radius_mm
 
 # Metal before and behind the set screws in the hub.
 HUB_EDGE_MM = 1.0
@@ -32,18 +32,6 @@ HEAD_ROOM_MM = 0.2
 RECESS_MM = 0.3
 # Plate between the pocket and the threads of the frame's own screws.
 POCKET_WEB_MM = 0.6
-
-
-class PulleyLevels(HeadLevels, Protocol):
-    """Heights along the input's axis, mm."""
-
-    @property
-    def land_bottom_z(self) -> float:
-        """End of the land towards the motor."""
-
-    @property
-    def land_top_z(self) -> float:
-        """Other end of the land."""
 
 
 @lru_cache(maxsize=64)
@@ -182,12 +170,12 @@ def _servo_flange(drive: SpurDrive, servo: Servo, edge_mm: float, thread_mm: flo
     )
 
 
-def shaft_end_z_mm(drive: SpurDrive, levels: PulleyLevels) -> float:
+def shaft_end_z_mm(drive: SpurDrive, levels: LandLevels) -> float:
     """End of the shaft."""
     return levels.motor_shelf_bottom_z + drive.gearhead.shaft_length_mm
 
 
-def pulley_bottom_z_mm(drive: SpurDrive, levels: PulleyLevels) -> float:
+def pulley_bottom_z_mm(drive: SpurDrive, levels: LandLevels) -> float:
     """Where the pulley begins: in the pocket, in front of the screws' heads if it does not fit between them."""
     gear, running = drive.gearhead, drive.clearances.running_mm
     if drive.servo is not None:
@@ -199,13 +187,13 @@ def pulley_bottom_z_mm(drive: SpurDrive, levels: PulleyLevels) -> float:
     return levels.motor_shelf_top_z + max(heads, pilot) + running
 
 
-def bore_end_z_mm(drive: SpurDrive, levels: PulleyLevels) -> float:
+def bore_end_z_mm(drive: SpurDrive, levels: LandLevels) -> float:
     """End of the bore: past the shaft's end, or through the pulley."""
     end = shaft_end_z_mm(drive, levels) + BEYOND_SHAFT_MM
     return end if end <= levels.land_top_z - END_WALL_MM else levels.land_top_z
 
 
-def overhung_pulley(drive: SpurDrive, levels: PulleyLevels, plain: InputPulleyDims) -> InputPulleyDims:
+def overhung_pulley(drive: SpurDrive, levels: LandLevels, plain: InputPulleyDims) -> InputPulleyDims:
     """The pulley: a hub and the land of ``plain``, one that has bearings."""
     radius, bottom, servo = hub_radius_mm(drive), pulley_bottom_z_mm(drive, levels), drive.servo
     if servo is not None:
@@ -230,7 +218,7 @@ def overhung_pulley(drive: SpurDrive, levels: PulleyLevels, plain: InputPulleyDi
     )
 
 
-def _on_horn(drive: SpurDrive, servo: Servo, levels: PulleyLevels, plain: InputPulleyDims) -> InputPulleyDims:
+def _on_horn(drive: SpurDrive, servo: Servo, levels: LandLevels, plain: InputPulleyDims) -> InputPulleyDims:
     """A pulley whose flange is screwed on a servo's horn, over the head of the horn's own screw."""
     screw, centre = drive.screw(servo.horn_screw), drive.screw(servo.centre_screw)
     bottom = pulley_bottom_z_mm(drive, levels)

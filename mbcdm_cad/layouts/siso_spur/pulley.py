@@ -9,13 +9,15 @@ In the assembly the part is turned about X by a quarter turn: (x, y, z) of the p
 """
 
 from math import pi
+from typing import Any
 
 from mbcdm_cad.design.bought import Bearing
+from mbcdm_cad.layouts.sector import coupled_pulley
 from mbcdm_cad.layouts.siso_spur.cable_path import stop_of
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, contact_rad, groove_depth_mm, groove_run_out_rad
 from mbcdm_cad.layouts.siso_spur.overhung import overhung_pulley
 from mbcdm_cad.layouts.siso_spur.stack import SpurStack
-from mbcdm_cad.parts.coupling import collar_over_shelf_mm, collar_width_mm
+from mbcdm_cad.parts.coupling import collar_over_shelf_mm
 from mbcdm_cad.parts.input_pulley import dims
 
 
@@ -70,10 +72,7 @@ def _grooves(drive: SpurDrive, slots: tuple[dims.StopSlot, ...]) -> tuple[dims.G
 def input_pulley(drive: SpurDrive, levels: SpurStack) -> dims.InputPulleyDims:
     """Dimensions of the pulley: one land."""
     slots = _slots(drive, levels) if drive.anchored else ()
-    bearings, gear, wheel = drive.bearings, drive.gearhead, drive.stage is not None
-    # The journal ends over the heads of the gearhead's screws, or with the wheel that it carries.
-    over = collar_over_shelf_mm(drive) if wheel else drive.screw(gear.screw).head_height_mm + 0.5
-    journal_bottom = levels.motor_shelf_top_z + over
+    bearings, wheel = drive.bearings, drive.stage is not None
     surface = drive.input_radius_mm - drive.cable.diameter_mm / 2
 
     def neck(bearing: Bearing) -> float:
@@ -81,12 +80,24 @@ def input_pulley(drive: SpurDrive, levels: SpurStack) -> dims.InputPulleyDims:
             return bearing.inner_shoulder_mm / 2
         return dims.neck_radius_mm(bearing.inner_shoulder_mm, stop_of(drive, drive.cables[0]))
 
-    plain = dims.InputPulleyDims(
+    own: dict[str, Any] = {}
+    if wheel:
+        # The journal ends with the wheel that it carries.
+        bottom = levels.motor_shelf_top_z + collar_over_shelf_mm(drive)
+        own = {
+            "journal_bottom_z": bottom,
+            "bore_radius": 0.0,
+            "bore_top_z": bottom,
+            "slit_width": 0.0,
+            "slit_top_z": bottom,
+        }
+    if drive.encoder.absent:
+        own["journal_top_z"] = levels.top_plate_bottom_z + bearings.input_upper.width_mm
+    plain = coupled_pulley(
+        drive,
+        levels,
         name=drive.input_names[0],
         x=0.0,
-        journal_bottom_z=journal_bottom,
-        lower_journal_radius=bearings.input_lower.bore_mm / 2,
-        lower_neck_bottom_z=levels.bearing_shelf_top_z,
         lower_neck_radius=neck(bearings.input_lower),
         land_bottom_z=levels.land_bottom_z,
         lower_surface_radius=surface,
@@ -94,20 +105,8 @@ def input_pulley(drive: SpurDrive, levels: SpurStack) -> dims.InputPulleyDims:
         upper_surface_radius=surface,
         land_top_z=levels.land_top_z,
         upper_neck_radius=neck(bearings.input_upper),
-        upper_neck_top_z=levels.upper_neck_top_z,
-        upper_journal_radius=bearings.input_upper.bore_mm / 2,
-        journal_top_z=(
-            levels.top_plate_bottom_z + bearings.input_upper.width_mm
-            if drive.encoder.absent
-            else levels.top_plate_top_z + dims.ENCODER_INSERTION_MM
-        ),
-        bore_radius=0.0 if wheel else gear.shaft_diameter_mm / 2,
-        bore_top_z=journal_bottom if wheel else levels.motor_shelf_bottom_z + gear.shaft_length_mm + 0.5,
-        slit_width=0.0 if wheel else dims.JOURNAL_SLIT_MM,
-        slit_top_z=journal_bottom
-        if wheel
-        else journal_bottom + collar_width_mm(drive, drive.input_pulleys.collar_screw) + 1.0,
         slots=slots,
         grooves=_grooves(drive, slots),
+        **own,
     )
     return overhung_pulley(drive, levels, plain) if drive.overhung else plain

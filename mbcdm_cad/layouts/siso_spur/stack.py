@@ -11,9 +11,9 @@ Along the input's axis y counts as height from the gearhead (names in ``_z``), b
 from dataclasses import dataclass
 from math import inf
 
-from mbcdm_cad.layouts.sector import END_PLAY_MM, SHELF_GAP_MM, InputLevels
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, boss_front_y_mm, drum_inner_y_mm, run_out_mm
 from mbcdm_cad.layouts.siso_spur.overhung import hub_length_mm
+from mbcdm_cad.parts.drum_sector.design import END_PLAY_MM, SHELF_GAP_MM, LandLevels
 from mbcdm_cad.parts.drum_sector.sizes import terminal_half_mm
 from mbcdm_cad.parts.input_pulley.dims import helix_stop_land_mm
 
@@ -24,11 +24,9 @@ FLANGE_MM, COLLAR_MM = 1.0, 1.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpurStack(InputLevels):
+class SpurStack(LandLevels):
     """Levels, all along Y: ``bearing_shelf_top_z`` is the plate's back, ``back_y`` the end of the drum's encoder."""
 
-    land_bottom_z: float
-    land_top_z: float
     plate_back_y: float
 
 

@@ -154,7 +154,7 @@ def sector_mesh(shape: SectorShape, cell_mm: float, corner_pieces: int = CORNER_
         outwards = ", ".join(f"{r:.4g}" for r in steps)
         raise ValueError(
             f"no web is left between the drum's hub and its lands (radii outwards {outwards} mm): "
-            "choose a larger drum radius, or a smaller drum.bearing"
+            "choose a larger drum, or less of what widens the hub (torque, payload, drum.bearing)"
         )
     radii, angles = _grid(shape, cell_mm, corner_pieces)
     count = len(radii)

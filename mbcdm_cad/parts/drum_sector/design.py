@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import inf, radians
-from typing import Any, Protocol
+from typing import Any
 
 from mbcdm_cad.design.bought import NO_BEARING, Bearing, Material, SpringSpec, TensionerSpec
 from mbcdm_cad.design.drive import CableRun, Drive
@@ -70,6 +70,7 @@ class SectorDrive(Drive):
     shaft_material: Material
     input_pulleys: SteppedPulleys
     pulley_material: Material
+    support: Any  # the block of the frame: each configuration has its own
     frame_material: Material
 
     @property
@@ -127,59 +128,49 @@ class SectorDrive(Drive):
         return self.gearhead.shaft_diameter_mm if self.stage is None else self.bearings.input_lower.bore_mm
 
 
-class SectorLevels(Protocol):
-    """Depths along Y that the drum shares with the frame and the body before it, mm."""
+# Gap between an input pulley's end face and a shelf, bridged by the inner ring's shoulder; the pulley's axial play
+# between its two bearings (estimates).
+SHELF_GAP_MM, END_PLAY_MM = 0.6, 0.1
+
+
+@dataclass(frozen=True, kw_only=True)
+class InputLevels:
+    """Levels in mm: ``_z`` along an input's axis, from motor to encoder, ``_y`` along the drum's.
+
+    The named body lies just before (``_top``) or behind (``_bottom``) the level.
+    """
+
+    motor_bottom_z: float
+    gearhead_bottom_z: float
+    motor_shelf_bottom_z: float  # the gearhead's face
+    motor_shelf_top_z: float
+    bearing_shelf_bottom_z: float
+    bearing_shelf_top_z: float
+    top_plate_bottom_z: float  # or the encoder shelf
+    top_plate_top_z: float
+    encoder_top_z: float
+    back_y: float
+    front_y: float  # of shelves and plates
+    drum_inner_y: float
+    drum_outer_y: float
+    hub_face_y: float
+    boss_front_y: float
 
     @property
-    def back_y(self) -> float:
-        """Outer face of the frame."""
-
-    @property
-    def boss_front_y(self) -> float:
-        """Front of the boss that holds the drum's bearings."""
-
-    @property
-    def drum_inner_y(self) -> float:
-        """Inner face of the drum's rim."""
-
-    @property
-    def drum_outer_y(self) -> float:
-        """Outer face of the drum's rim."""
-
-    @property
-    def hub_face_y(self) -> float:
-        """Face of the hub."""
+    def upper_neck_top_z(self) -> float:
+        """Top of the pulley's upper neck, which its play keeps from the bearing."""
+        return self.top_plate_bottom_z - END_PLAY_MM
 
 
-class Framed(Protocol):
-    """The block of the frame."""
+@dataclass(frozen=True, kw_only=True)
+class LandLevels(InputLevels):
+    """Those of a pulley whose land is not led by a guide's steps."""
 
-    @property
-    def material(self) -> str:
-        """Name of the frame's material."""
-
-
-class SectorBlocks(Protocol):
-    """The blocks."""
-
-    @property
-    def clearances(self) -> Clearances:
-        """Gaps between finished surfaces."""
-
-    @property
-    def drum(self) -> SectorDrum:
-        """The sector."""
-
-    @property
-    def input_pulleys(self) -> SteppedPulleys:
-        """The pulleys."""
-
-    @property
-    def support(self) -> Framed:
-        """The frame."""
+    land_bottom_z: float
+    land_top_z: float
 
 
-def sector_values(design: SectorBlocks, catalogue: Catalogue) -> dict[str, Any]:
+def sector_values(design: Any, catalogue: Catalogue) -> dict[str, Any]:
     """The fields of :class:`~mbcdm_cad.parts.drum_sector.design.SectorDrive` but cables and bearings, and the frame."""
     drum, pulleys, support = design.drum, design.input_pulleys, design.support
     return {
@@ -202,7 +193,7 @@ def terminal_angle_rad(cable: SectorCable) -> float | None:
     return None if cable.terminal_angle_deg is None else radians(cable.terminal_angle_deg)
 
 
-def sector_entries(design: SectorBlocks) -> Iterator[NamedEntry]:
+def sector_entries(design: Any) -> Iterator[NamedEntry]:
     """Entries of the catalogue that these blocks name."""
     drum, pulleys = design.drum, design.input_pulleys
     yield NamedEntry(("drum", "material"), "materials", drum.material)

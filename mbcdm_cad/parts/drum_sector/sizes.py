@@ -9,7 +9,7 @@ hub      |==============================......|    hub face: the output
 from math import asin, atan2, degrees, hypot, radians, sin, sqrt, tan
 
 from mbcdm_cad.parts.drum_sector import dims
-from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorLevels, SectorRun
+from mbcdm_cad.parts.drum_sector.design import InputLevels, SectorDrive, SectorRun
 from mbcdm_cad.parts.terminal import Tensioner
 from mbcdm_cad.parts.turned import FLAT_DEPTH_MM, DrumShaftDims, PreloadSpringDims
 
@@ -92,7 +92,7 @@ def terminal_half_mm(drive: SectorDrive) -> float:
     return max(nut_corner_radius_mm(drive), lug_half_width_mm(drive))
 
 
-def lands(drive: SectorDrive, levels: SectorLevels) -> tuple[dims.Land, ...]:
+def lands(drive: SectorDrive, levels: InputLevels) -> tuple[dims.Land, ...]:
     """Lands in the order of the steps; the wall before step k+1 stands at y_k+1 less the edge margin."""
     cables = sorted(drive.cables, key=lambda c: c.step)
     walls = [levels.drum_inner_y, *(c.land_y_mm - drive.clearances.land_edge_mm for c in cables[1:])]
@@ -276,7 +276,7 @@ def _windows(drive: SectorDrive, stop_radius: float, slot_end_deg: float) -> tup
     return window, dims.Window(above, outer, -window.end_deg, -window.start_deg)
 
 
-def _root(drive: SectorDrive, levels: SectorLevels, stop_radius: float) -> tuple[float, float]:
+def _root(drive: SectorDrive, levels: InputLevels, stop_radius: float) -> tuple[float, float]:
     """Radius and front of the thicker web round the hub: twice the web, behind set screws and inside the stop's slot.
 
     The shear of a web falls with the square of its radius: metal there stiffens the drum twice as much for its mass as
@@ -305,7 +305,7 @@ def _lug_reach_mm(drive: SectorDrive, placed: tuple[Tensioner, ...]) -> float:
     )
 
 
-def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: TerminalWay) -> dims.DrumDims:
+def drum(drive: SectorDrive, levels: InputLevels, stop_radius: float, way: TerminalWay) -> dims.DrumDims:
     """Dimensions of the drum; the stop pin stands in the frame at ``stop_radius`` from its axis."""
     d = drive.drum
     slot_width = d.stop_pin_mm + STOP_SLOT_PLAY_MM if drive.stopped else 0.0
@@ -359,7 +359,7 @@ def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: Term
     )
 
 
-def _web_start_y(drive: SectorDrive, levels: SectorLevels) -> float:
+def _web_start_y(drive: SectorDrive, levels: InputLevels) -> float:
     return levels.drum_inner_y + 3 * drive.clearances.running_mm
 
 
@@ -373,7 +373,7 @@ def _payload(drive: SectorDrive) -> tuple[dims.PayloadJoint, float]:
     return dims.payload_joint(candidates, load, circle, hub, shaft, metal.min_wall_mm), circle
 
 
-def _set_screw_y(drive: SectorDrive, levels: SectorLevels) -> float:
+def _set_screw_y(drive: SectorDrive, levels: InputLevels) -> float:
     """Depth of the set screws, mm: the middle of the hub in front of the web, or behind payload's holes near them."""
     middle = (_web_start_y(drive, levels) + drive.drum.web_thickness_mm + drive.drum.hub_face_y_mm) / 2
     if drive.drum.output_screws == dims.SCREWS:
@@ -384,7 +384,7 @@ def _set_screw_y(drive: SectorDrive, levels: SectorLevels) -> float:
     return min(middle, drive.drum.hub_face_y_mm - behind)
 
 
-def drum_shaft(drive: SectorDrive, levels: SectorLevels) -> DrumShaftDims:
+def drum_shaft(drive: SectorDrive, levels: InputLevels) -> DrumShaftDims:
     """Shaft through the boss: encoder, flange, rear bearing, front bearing, hub."""
     bearing = drive.bearings.drum
     encoder_front = levels.back_y + drive.drum_encoder.length_mm

@@ -13,15 +13,13 @@ in the opposite direction, from the gearhead.
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import floor, sqrt
-from typing import Any, Protocol
+from typing import Any
 
-from mbcdm_cad.design.bought import CableStageOutput, Gearhead, InsertSpec, Material, Motor, Screw
-from mbcdm_cad.design.sector_blocks import Clearances
-from mbcdm_cad.design.stage import Stage
+from mbcdm_cad.design.bought import CableStageOutput, InsertSpec, Screw
 from mbcdm_cad.parts.bodies import screw_places
 from mbcdm_cad.parts.boss import BossDims
-from mbcdm_cad.parts.coupling import collar_over_shelf_mm, collar_sweep_mm, hub_radius_mm
-from mbcdm_cad.parts.drum_sector.design import SectorBearings, SectorDrive
+from mbcdm_cad.parts.coupling import collar_over_shelf_mm, collar_sweep_mm
+from mbcdm_cad.parts.drum_sector.design import InputLevels, SectorDrive
 
 # Thread of the flange's screws, by the widest body that they carry (estimate).
 FLANGE_THREADS_MM = ((22.0, 2.0), (100.0, 3.0), (200.0, 4.0))
@@ -43,110 +41,6 @@ _ROUNDS = 12
 _ROUNDING_MM = 1e-6
 
 Places = tuple[tuple[float, float], ...]
-
-
-class BoxSpec(Protocol):
-    """Fields of the design file for a coupling box."""
-
-    @property
-    def side_wall_mm(self) -> float:
-        """Wall in which the screws beside the box lie, mm; the box's own walls are half as thick."""
-
-
-class Boxed(Protocol):
-    """The data of a drive from which its coupling boxes get their width."""
-
-    @property
-    def gearhead(self) -> Gearhead:
-        """The gearhead on the box, or the motor's own face."""
-
-    @property
-    def motor(self) -> Motor:
-        """The motor."""
-
-    @property
-    def stage(self) -> Stage | None:
-        """Belt or gears in the box, the motor beside the input."""
-
-    @property
-    def clearances(self) -> Clearances:
-        """Gaps between finished surfaces."""
-
-    @property
-    def support(self) -> BoxSpec:
-        """Walls."""
-
-    @property
-    def frame_material(self) -> Material:
-        """Material of the part that has the box."""
-
-    @property
-    def collar_seat(self) -> tuple[float, float, str]:
-        """Bore of the clamp collar in mm; its thinnest wall in mm, its screw."""
-
-    def screw(self, name: str) -> Screw:
-        """A screw of the catalogue."""
-
-
-class BoxDrive(Boxed, Protocol):
-    """The data of a drive from which its coupling boxes are dimensioned."""
-
-    @property
-    def bearings(self) -> SectorBearings:
-        """All bearings."""
-
-
-class HeadSpec(BoxSpec, Protocol):
-    """Fields of the design file for a motor head."""
-
-    @property
-    def motor_shelf_mm(self) -> float:
-        """Shelf that carries the gearhead."""
-
-    @property
-    def bearing_shelf_mm(self) -> float:
-        """Flange with the bearing next to the gearhead."""
-
-    @property
-    def encoder_shelf_mm(self) -> float:
-        """Shelf of bearing and encoder at the other end of the pulley."""
-
-
-@dataclass(frozen=True)
-class HeadedDrive(SectorDrive):
-    """A drive with one motor, which such a head carries."""
-
-    support: HeadSpec
-
-    @property
-    def collar_seat(self) -> tuple[float, float, str]:
-        """Bore of the clamp collar in mm, that of the journal at the gearhead; its thinnest wall in mm, its screw.
-
-        With a stage the collar clamps the driven wheel's hub, which is on the journal.
-        """
-        journal = self.bearings.input_lower.bore_mm
-        bore = journal if self.stage is None else 2 * hub_radius_mm(journal)
-        return bore, self.frame_material.min_wall_mm, self.input_pulleys.collar_screw
-
-
-class HeadLevels(Protocol):
-    """Heights along the input's axis, from the gearhead on, mm."""
-
-    @property
-    def motor_shelf_bottom_z(self) -> float:
-        """Face of the gearhead."""
-
-    @property
-    def motor_shelf_top_z(self) -> float:
-        """Beginning of the coupling space."""
-
-    @property
-    def bearing_shelf_bottom_z(self) -> float:
-        """End of the coupling space."""
-
-    @property
-    def bearing_shelf_top_z(self) -> float:
-        """Face of the flange on the frame."""
 
 
 @dataclass(frozen=True)
@@ -229,7 +123,7 @@ class HeadFrameDims:
         return self.boss.screw_depth
 
 
-def flange_screw(drive: HeadedDrive) -> Screw:
+def flange_screw(drive: SectorDrive) -> Screw:
     """The shortest screw that engages its diameter behind the flange, else the longest of its thread."""
     wide = 2 * body_radius_mm(drive)
     thread = next((mm for most, mm in FLANGE_THREADS_MM if wide <= most), FLANGE_THREAD_MOST_MM)
@@ -243,15 +137,15 @@ def _length_mm(screw: Screw) -> float:
     return screw.length_mm
 
 
-def dowel_length_mm(drive: HeadedDrive) -> float:
+def dowel_length_mm(drive: SectorDrive) -> float:
     """The shortest dowel that engages its diameter behind the flange, else the longest."""
     needed = drive.support.bearing_shelf_mm + DOWEL_MM
     return next((length for length in DOWEL_LENGTHS_MM if length >= needed), DOWEL_LENGTHS_MM[-1])
 
 
-def inner_half_width_mm(drive: Boxed) -> float:
+def inner_half_width_mm(drive: SectorDrive) -> float:
     """Half the width of the coupling space: the collar turns in it, and the gearhead's screws stand off its corners."""
-    running, reach = drive.clearances.running_mm, collar_sweep_mm(drive, *drive.collar_seat)
+    running, reach = drive.clearances.running_mm, collar_sweep_mm(drive)
     if drive.stage is not None:
         reach = max(reach, *(drive.stage.reach_mm(r) for r in (drive.stage.driven_mm, drive.stage.driver_mm)))
     # Heads of the gearhead's screws stand beside the round corner that the coupling pocket's cutter leaves.
@@ -272,36 +166,36 @@ def inner_half_width_mm(drive: Boxed) -> float:
     return inner
 
 
-def outer_half_width_mm(drive: Boxed) -> float:
+def outer_half_width_mm(drive: SectorDrive) -> float:
     """Half the width of the box."""
-    return inner_half_width_mm(drive) + drive.support.side_wall_mm / 2
+    return inner_half_width_mm(drive) + float(drive.support.side_wall_mm) / 2
 
 
-def _corner_radius_mm(drive: Boxed) -> Callable[[float], float]:
+def _corner_radius_mm(drive: SectorDrive) -> Callable[[float], float]:
     """Corner radius of the coupling pocket, by the cutter that reaches its back, of half the pocket's width."""
     face, least = face_reach_mm(drive), drive.frame_material.min_internal_radius_mm
     return lambda inner_mm: max(least, (inner_mm + max(inner_mm, face)) / TOOL_SLENDERNESS / 2)
 
 
-def face_reach_mm(drive: Boxed) -> float:
+def face_reach_mm(drive: SectorDrive) -> float:
     """Reach of the motor shelf from the axis, mm: over the face, or beyond its screws if the face is wider."""
     gear = drive.gearhead
     return min(gear.diameter_mm / 2, gear.bolt_circle_mm / 2 + drive.screw(gear.screw).head_diameter_mm)
 
 
-def body_radius_mm(drive: Boxed) -> float:
+def body_radius_mm(drive: SectorDrive) -> float:
     """Half of the wider of gearhead and motor; a motor in front of a first cable stage is not behind the input."""
     if isinstance(drive.gearhead, CableStageOutput):
         return drive.gearhead.diameter_mm / 2
     return max(drive.gearhead.diameter_mm, drive.motor.diameter_mm) / 2
 
 
-def coupling_box(drive: BoxDrive, levels: HeadLevels, gear_screws: Places) -> CouplingBox:
+def coupling_box(drive: SectorDrive, levels: InputLevels, gear_screws: Places) -> CouplingBox:
     """Dimensions of a coupling box, for screws of the gearhead at these places."""
     return CouplingBox(**_box_values(drive, levels), gear_screws=gear_screws)
 
 
-def head(drive: HeadedDrive, levels: HeadLevels, flange: Flange) -> HeadDims:
+def head(drive: SectorDrive, levels: InputLevels, flange: Flange) -> HeadDims:
     """Dimensions of the motor head."""
     gear = drive.gearhead
     places = screw_places(gear.screw_count, gear.bolt_circle_mm / 2, drive.gearhead_angle_deg)
@@ -315,7 +209,7 @@ def head(drive: HeadedDrive, levels: HeadLevels, flange: Flange) -> HeadDims:
     )
 
 
-def _box_values(drive: BoxDrive, levels: HeadLevels) -> dict[str, Any]:
+def _box_values(drive: SectorDrive, levels: InputLevels) -> dict[str, Any]:
     lower, gear = drive.bearings.input_lower, drive.gearhead
     gear_screw, inner = drive.screw(gear.screw), inner_half_width_mm(drive)
     outer = outer_half_width_mm(drive)
@@ -342,18 +236,18 @@ def _box_values(drive: BoxDrive, levels: HeadLevels) -> dict[str, Any]:
     }
 
 
-def beside_mm(drive: Boxed) -> float:
+def beside_mm(drive: SectorDrive) -> float:
     """Distance of the gearhead's axis from the input's: that of a stage's axes, 0 in line with it."""
     return 0.0 if drive.stage is None else drive.stage.centre_mm
 
 
-def key_hole_mm(drive: Boxed) -> float:
+def key_hole_mm(drive: SectorDrive) -> float:
     """Radius of the holes for the key of the gearhead's screws; drills come in tenths of a millimetre."""
     wide = 2.0 * (drive.screw(drive.gearhead.screw).key_mm / 3**0.5 + KEY_PLAY_MM)
     return floor(10.0 * wide) / 20.0
 
 
-def flange_front_mm(drive: BoxDrive) -> float:
+def flange_front_mm(drive: SectorDrive) -> float:
     """Front of the flange: that of the box; with a stage before the screws of the gearhead, which a key must reach."""
     inner = inner_half_width_mm(drive)
     if drive.stage is None:

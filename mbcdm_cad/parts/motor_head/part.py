@@ -14,11 +14,12 @@ from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.parts import milled
 from mbcdm_cad.parts.bill import UPSIDE_DOWN, BillBuilder, Placement
 from mbcdm_cad.parts.bodies import EncoderBody
+from mbcdm_cad.parts.drum_sector.design import SectorDrive
 from mbcdm_cad.parts.drum_sector.items import ENCODER_COLOUR
 from mbcdm_cad.parts.fits import FACE_MM, FITS, REST, SHOULDER_MM, Datum, level, shoulder_place
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM
 from mbcdm_cad.parts.input_pulley.items import add_train
-from mbcdm_cad.parts.motor_head.dims import CouplingBox, HeadDims, HeadedDrive, dowel_length_mm, flange_screw
+from mbcdm_cad.parts.motor_head.dims import CouplingBox, HeadDims, dowel_length_mm, flange_screw
 from mbcdm_cad.parts.part import CORNER, pocket_corner_mm
 from mbcdm_cad.parts.sheet import CuttingLine, Linear, Sheet, Side, View, X, Y, Z, minus, mm
 from mbcdm_cad.parts.sheet_blocks import THROUGH, hole_labels, hole_table, position_table
@@ -248,13 +249,13 @@ def _at(stand: Placement, x: float, y: float, z: float) -> Placement:
     return stand @ Placement.translation(x, y, z)
 
 
-def add_motor_head(b: BillBuilder, drive: HeadedDrive, head: HeadDims, stand: Placement, mark: str = "") -> None:
+def add_motor_head(b: BillBuilder, drive: SectorDrive, head: HeadDims, stand: Placement, mark: str = "") -> None:
     """Add the head. ``mark`` in the names distinguishes its items from those of other heads."""
     b.add(f"motor_head{mark}", MotorHead(head), part="motor_head", material=drive.frame_material, place=stand)
 
 
 def add_flange_fixings(
-    b: BillBuilder, drive: HeadedDrive, head: HeadDims, insert: InsertSpec | None, stand: Placement, mark: str = ""
+    b: BillBuilder, drive: SectorDrive, head: HeadDims, insert: InsertSpec | None, stand: Placement, mark: str = ""
 ) -> None:
     """Add the dowels and screws of the head on the frame, and the inserts if the frame has no threads of its own.
 
@@ -275,13 +276,13 @@ def add_flange_fixings(
             b.insert(f"flange_insert{mark}_{n}", insert, drive.material("brass"), _at(stand, x, y, head.bottom_z))
 
 
-def add_motor(b: BillBuilder, drive: HeadedDrive, face: Placement) -> None:
+def add_motor(b: BillBuilder, drive: SectorDrive, face: Placement) -> None:
     """Gearhead and motor of the one input on their shelf, whose face they lie on has its Z towards them."""
     depth = drive.screw(drive.gearhead.screw).length_mm - drive.support.motor_shelf_mm + 1.0
     add_train(b, drive, drive.input_names[0], depth, face @ UPSIDE_DOWN, drive.gearhead_angle_deg)
 
 
-def add_input_line(b: BillBuilder, drive: HeadedDrive, head: HeadDims, shelf: EncoderShelf, stand: Placement) -> None:
+def add_input_line(b: BillBuilder, drive: SectorDrive, head: HeadDims, shelf: EncoderShelf, stand: Placement) -> None:
     """Gearhead and motor on the head, encoder, if any, behind its shelf, with their screws; ``drive`` has one input."""
     body, steel = drive.material("stainless"), drive.material("steel")
     gear, encoder = drive.gearhead, drive.encoder
@@ -312,7 +313,7 @@ def add_input_line(b: BillBuilder, drive: HeadedDrive, head: HeadDims, shelf: En
 
 
 def add_input_bearings(
-    b: BillBuilder, drive: HeadedDrive, head: HeadDims, shelf: EncoderShelf, stand: Placement
+    b: BillBuilder, drive: SectorDrive, head: HeadDims, shelf: EncoderShelf, stand: Placement
 ) -> None:
     """The pulley's bearings: in the head's flange and in the encoder's shelf, both on the pulley's side."""
     ring, bearings, name = drive.material("bearing-steel"), drive.bearings, drive.input_names[0]

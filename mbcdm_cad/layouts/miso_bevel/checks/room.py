@@ -39,7 +39,7 @@ class Upright(NamedTuple):
 
 
 def _collar_reach_mm(s: BevelLayout) -> float:
-    return collar_sweep_mm(s.drive, *s.drive.collar_seat)
+    return collar_sweep_mm(s.drive)
 
 
 def uprights(s: BevelLayout) -> list[Upright]:

@@ -5,8 +5,6 @@ and r_g4. The cables pull each input pulley with well over 100 N, more than a ge
 has a bearing at both ends.
 """
 
-from collections.abc import Iterator
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,13 +15,12 @@ from mbcdm_cad.checks.fixings import STRESS_SAFETY, bent_axle_Nmm, round_shaft_M
 from mbcdm_cad.checks.ratios import (
     RATIO_TOLERANCE,
     SURFACE_TOLERANCE_MM,
-    anchor_check,
+    anchor_bend,
     bending_checks,
     pair_mismatch,
     spread,
     surface_radius,
 )
-from mbcdm_cad.layouts.miso_bevel.cable_path import stop_of
 from mbcdm_cad.layouts.miso_bevel.drive import BevelRun
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.routes import GUIDE
@@ -159,14 +156,8 @@ def _surfaces(s: BevelLayout, pulley: InputPulleyDims) -> tuple[float, float]:
 SURFACES = (surface_radius, cut_at_pitch)
 
 
-def _stop_bends_mm(s: BevelLayout) -> Iterator[tuple[str, float]]:
-    s.levels  # noqa: B018 - without levels there is no winding, hence no stop
-    for c in s.steps:
-        yield c.name, stop_of(s.drive, c).bend_radius_mm
-
-
 _THINNER = (down("rope diameter_mm"), down("transmission.ratios.input_to_guide"), up("all radii of transmission"))
-BENDING = (*bending_checks(_THINNER), anchor_check(_stop_bends_mm, _THINNER))
+BENDING = (*bending_checks(_THINNER), anchor_bend.but(adjust=_THINNER))
 
 
 def guide_forces_N(s: BevelLayout) -> list[NDArray[np.float64]]:

@@ -32,6 +32,7 @@ from mbcdm_cad.layouts.miso_bevel.stack import Stack, milled_corner_mm
 from mbcdm_cad.parts.bodies import screw_places
 from mbcdm_cad.parts.boss import BossDims, boss, column_start_mm
 from mbcdm_cad.parts.drum_sector.sizes import drum_shaft
+from mbcdm_cad.parts.fits import MOUNT_SCREWS
 from mbcdm_cad.parts.motor_head.dims import CouplingBox, coupling_box, key_hole_mm
 
 STOP_WEB_MM = 7.0
@@ -205,7 +206,7 @@ def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
     plate_insert = drive.insert(drive.frame_material, plate_screw.thread_mm)
     column_z = max(round_boss.radius, round_boss.encoder_pocket_radius) + drive.support.rib_mm
     pocket_z = (levels.shelf_top_z + levels.bearing_shelf_bottom_z) / 2
-    screw, printed = drive.support.mount, drive.frame_material.printed
+    screw, printed = MOUNT_SCREWS[drive.support.mount_screw], drive.frame_material.printed
     head = screw.seat_mm(printed) / 2 + MOUNT_HEAD_PLAY_MM
     mounts, pocket_bottom_z = _mounts(levels, pocket_z, column_z, head)
     return FrameDims(

@@ -175,8 +175,8 @@ def panels(layout: BevelLayout) -> list[Wall]:
 
 def mounts(layout: BevelLayout) -> Mounts:
     """The mounting screws."""
-    f, v, drive = layout.frame, layout.levels, layout.drive
-    seat = drive.support.mount.seat_mm(drive.frame_material.printed)
+    f, v = layout.frame, layout.levels
+    seat = layout.mounting.seat_mm(layout.mount_washers)
     middle_y = (v.back_y + v.pocket_floor_y) / 2  # a thick plate is not the rearmost: the end of the boss is
     return Mounts(f.mounts, seat / 2, f.mount_radius, v.pocket_floor_y - v.back_y, middle_y)
 

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.stack import DirectStack, pocket_corner_radius_mm
 from mbcdm_cad.parts.boss import boss, column_start_mm
+from mbcdm_cad.parts.fits import MOUNT_SCREWS
 from mbcdm_cad.parts.motor_head.dims import DOWEL_MM, Flange, HeadFrameDims, dowel_length_mm
 from mbcdm_cad.parts.motor_head.dims import flange_screw as screw_of_flange
 from mbcdm_cad.parts.turned import DrumShaftDims
@@ -81,7 +82,7 @@ def column(drive: DirectDrive, levels: DirectStack, shaft: DrumShaftDims) -> Col
     round_boss = boss(drive, shaft, levels.back_y, levels.boss_front_y)
     encoder, upper = drive.encoder, drive.bearings.input_upper
     encoder_screw, flange_screw = drive.screw(encoder.screw), screw_of_flange(drive)
-    insert, mount = drive.insert(drive.frame_material, flange_screw.thread_mm), drive.support.mount
+    insert, mount = drive.insert(drive.frame_material, flange_screw.thread_mm), MOUNT_SCREWS[drive.support.mount_screw]
     radius = corner_radius_mm(drive, levels)
     shelf_bottom = -levels.top_plate_top_z
     stop_top = min(-levels.encoder_top_z - ENCODER_ROOM_MM, shelf_bottom - 2 * radius - POCKET_FLAT_MM)

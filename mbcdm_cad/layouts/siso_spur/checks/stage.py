@@ -103,7 +103,7 @@ def stage_room(s: SpurLayout) -> Findings:
     """Wheels clear each other, their shafts, hub clamp and flange."""
     dims, drive, head = _of(s), s.drive, s.head
     stage, running, gear = dims.stage, drive.clearances.running_mm, drive.gearhead
-    clamp = collar_sweep_mm(drive, *drive.collar_seat)
+    clamp = collar_sweep_mm(drive)
     yield "hub's clamp from the motor's shaft", stage.centre_mm - clamp - gear.shaft_diameter_mm / 2, running
     yield "flange before its bearing", head.flange.front_y - head.seat_radius, HOLE_WEB_MM + running
     what = "teeth of the driver over its bore"

@@ -6,7 +6,6 @@ creeps over the slip angle of its side. If a part in the middle sticks and stays
 this creep does not accumulate. If the travel unwinds that part, the cable moves on a little in every cycle.
 """
 
-from collections.abc import Iterator
 from itertools import pairwise
 from math import asin, ceil, degrees, log, tau
 
@@ -16,9 +15,9 @@ from mbcdm_cad.checks.comparison import Comparison, Family, Findings, at_least, 
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import CABLE_GAP_MM, cables_apart
 from mbcdm_cad.checks.input_pulley import coupling_checks, dead_turns_check, stop_checks
-from mbcdm_cad.checks.ratios import SURFACE_TOLERANCE_MM, anchor_check, bending_checks, surface_radius
+from mbcdm_cad.checks.ratios import SURFACE_TOLERANCE_MM, anchor_bend, bending_checks, surface_radius
 from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.layouts.siso_spur.cable_path import ON_INPUT, stop_of
+from mbcdm_cad.layouts.siso_spur.cable_path import ON_INPUT
 from mbcdm_cad.layouts.siso_spur.drive import is_anchored
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.model.capability import torque_at_slip_Nm
@@ -42,22 +41,12 @@ def cut_at_pitch(s: SpurLayout) -> Findings:
         )
 
 
-def _stop_bends_mm(s: SpurLayout) -> Iterator[tuple[str, float]]:
-    for c in s.steps:
-        yield c.name, stop_of(s.drive, c).bend_radius_mm
-
-
 WIDER: tuple[Adjustment, ...] = (
     down("transmission.input_to_drum"),
     down("rope diameter_mm"),
     up("all radii of transmission"),
 )
-_RADII = (
-    surface_radius,
-    cut_at_pitch,
-    *bending_checks(WIDER),
-    anchor_check(_stop_bends_mm, WIDER).but(applies=is_anchored),
-)
+_RADII = (surface_radius, cut_at_pitch, *bending_checks(WIDER), anchor_bend.but(adjust=WIDER, applies=is_anchored))
 _STOPS = (
     dead_turns_check((up("transmission.turns"), down("transmission.input_to_drum"), down("travel.half_angle_deg"))),
     *stop_checks(WIDER),

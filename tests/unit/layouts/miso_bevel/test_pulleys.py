@@ -70,7 +70,7 @@ def test_collar_screw_passes_between_bore_and_rim(drive: BevelDrive, dims: Bevel
     assert sqrt(c.radius**2 - tip**2) - c.screw_offset - screw.thread_mm / 2 == pytest.approx(wall), "wall at the tip"
     inner_edge = c.screw_offset - screw.head_diameter_mm / 2 - 0.1
     assert hypot(inner_edge, c.head_seat) >= c.bore_radius + wall - 1e-12, "the head's flat cuts into the bore's wall"
-    assert collar_sweep_mm(drive, *drive.collar_seat) >= hypot(
+    assert collar_sweep_mm(drive) >= hypot(
         c.screw_offset + screw.head_diameter_mm / 2, c.head_seat + screw.head_height_mm
     )
 
@@ -106,7 +106,7 @@ def test_a_larger_journal_makes_a_larger_collar_and_wider_walls(drive: BevelDriv
     other = BevelLayout(replace(drive, bearings=replace(drive.bearings, input_lower=big)))
     assert other.collar.radius > BevelLayout(drive).collar.radius + 1.0
     room = other.levels.side_inner_x - drive.centre_distance_mm
-    assert room >= collar_sweep_mm(other.drive, *other.drive.collar_seat) + drive.clearances.running_mm - 1e-12
+    assert room >= collar_sweep_mm(other.drive) + drive.clearances.running_mm - 1e-12
 
 
 def test_support_seats_fit_their_bearings(drive: BevelDrive, dims: BevelLayout) -> None:

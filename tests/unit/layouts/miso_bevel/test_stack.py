@@ -10,7 +10,7 @@ from mbcdm_cad.layouts.miso_bevel.cable_path import guide_landing_walk_mm
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.stack import band, outward_of, stack
-from mbcdm_cad.layouts.sector import END_PLAY_MM, SHELF_GAP_MM
+from mbcdm_cad.parts.drum_sector.design import END_PLAY_MM, SHELF_GAP_MM
 from mbcdm_cad.parts.input_pulley.dims import helix_stop_land_mm
 
 

@@ -13,7 +13,7 @@ from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.layouts.loader import layout_of, new_design_text
 from mbcdm_cad.layouts.siso_bevel.bill import bill
-from mbcdm_cad.layouts.siso_bevel.cable_path import full_input_turn_deg, stop_bend
+from mbcdm_cad.layouts.siso_bevel.cable_path import full_input_turn_deg, stop_of, taken_rad
 from mbcdm_cad.layouts.siso_bevel.checks import drum_sweep, highest_ratio, input_under_turn
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
@@ -70,8 +70,8 @@ def test_paths_keep_their_length_and_join_without_a_kink(dims: DirectLayout) -> 
 def test_end_of_a_full_winding_lets_the_leaving_cable_pass(drive: DirectDrive, radius: float) -> None:
     """By points of winding and bend, a turn less ``taken_rad`` after the transfer, from the straight line y = r."""
     d = drive.cable.diameter_mm
-    stop = stop_bend(drive, replace(drive.cables[0], input_radius_mm=radius))
-    rho, start = stop.bend_radius_mm, stop.taken_rad
+    cable = replace(drive.cables[0], input_radius_mm=radius)
+    rho, start = stop_of(drive, cable).bend_radius_mm, taken_rad(drive, cable)
     around = np.linspace(start, start + 1.0, 200)
     wound = radius * np.stack([np.sin(around), np.cos(around)])
     turned = np.linspace(0.0, np.pi / 2, 400)
@@ -93,7 +93,7 @@ def test_one_turn_limits_the_ratio_and_the_remedy_names_it(drive: DirectDrive) -
         assert result.status == status, f"{ratio}: {result.message}"
     assert "total ratio of at most 4.5" in result.remedy, result.remedy
     assert "lower transmission.input_to_drum from 9 to at most 4.5" in result.remedy, result.remedy
-    slot = degrees(stop_bend(drive, drive.cables[0]).taken_rad)
+    slot = degrees(taken_rad(drive, drive.cables[0]))
     assert full_input_turn_deg(drive, drive.cables[0]) == pytest.approx(4.5 * 70.0 + 18.0 + slot)
 
 

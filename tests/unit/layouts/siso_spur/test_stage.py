@@ -225,7 +225,7 @@ def test_the_collar_turns_in_its_own_radius_beside_a_larger_wheel() -> None:
     found = SpurLayout(drive(GEARS))
     gaps, h, c, v = dict(collar_gaps(found)), found.head, found.collar, found.levels
     assert found.stage is not None
-    sweep = collar_sweep_mm(found.drive, *found.drive.collar_seat)
+    sweep = collar_sweep_mm(found.drive)
     assert found.stage.stage.reach_mm(found.stage.stage.driven_mm) > sweep
     corner = min(h.corner_radius, 0.49 * (v.bearing_shelf_bottom_z - v.motor_shelf_top_z))
     # By hand: its sweep ends before the rounding of the corner.
