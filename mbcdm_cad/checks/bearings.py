@@ -13,6 +13,7 @@ from mbcdm_cad.checks.comparison import Check, Comparison, Findings, at_least, a
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.design.bought import Bearing
 from mbcdm_cad.design.catalogue import package_entries
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.structure import pulley_sections
@@ -29,7 +30,7 @@ GEARHEAD_PLAY_MM = 0.02
 _PLACES = 400
 
 
-LESS: tuple[Adjustment, ...] = (down("rope.preload_N"), down("loads.peak_torque_Nm"))
+LESS: tuple[Adjustment, ...] = (down(at.rope.preload_N), down(at.loads.peak_torque_Nm))
 RATING = "bearing catalogue; static safety 1: bearing makers, normal running"
 
 
@@ -128,10 +129,10 @@ def drum_safety(s: SectorLayout, limit: float) -> list[Comparison]:
 
 # By the first word of a finding: the bearing's name in the drive, and the field of the file that states it.
 _NAMED = {
-    "lower": ("input_lower", "input_pulleys.lower_bearing"),
-    "upper": ("input_upper", "input_pulleys.upper_bearing"),
-    "rear": ("drum", "drum.bearing"),
-    "front": ("drum", "drum.bearing"),
+    "lower": ("input_lower", at.input_pulleys.lower_bearing),
+    "upper": ("input_upper", at.input_pulleys.upper_bearing),
+    "rear": ("drum", at.drum.bearing),
+    "front": ("drum", at.drum.bearing),
     "bearings": ("idler", "idlers.bearing"),
 }
 
@@ -165,7 +166,7 @@ def input_bearings(s: SectorLayout) -> Findings:
     yield from input_safety(s, STATIC_SAFETY)
 
 
-@check("Drum's bearings carry cables and payload", RATING, *LESS, down("support.back_y_mm"), advice_on=larger)
+@check("Drum's bearings carry cables and payload", RATING, *LESS, down(at.support.back_y_mm), advice_on=larger)
 def drum_bearings(s: SectorLayout) -> Findings:
     """Static safety of the bearings of the drum's shaft."""
     yield from drum_safety(s, STATIC_SAFETY)
@@ -179,7 +180,7 @@ def quiet_running(s: SectorLayout) -> Findings:
     yield from drum_safety(s, QUIET_SAFETY)
 
 
-@check("Distance between the drum's bearings", "usual rule: one bearing width", down("support.back_y_mm"))
+@check("Distance between the drum's bearings", "usual rule: one bearing width", down(at.support.back_y_mm))
 def drum_bearing_spacing(s: SectorLayout) -> Comparison:
     """Distance between the drum's bearings, without the spring between them: at least one bearing width."""
     shaft = s.drum_shaft

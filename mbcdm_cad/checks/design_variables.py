@@ -6,6 +6,7 @@ from functools import reduce
 from typing import Any, NamedTuple, cast
 
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.design.paths import at
 
 ALL_RADII = "all radii of transmission"
 ROPE_DIAMETER = "rope diameter_mm"
@@ -99,7 +100,7 @@ def _put_ratio(drive: Any, value: float) -> Drive:
 
 # Of a drive whose input turns the drum itself.
 INPUT_TO_DRUM = DesignVariable(
-    "transmission.input_to_drum",
+    at.transmission.input_to_drum,
     lambda drive: drive.total_ratio,
     _put_ratio,
     applies=lambda drive: not drive.radii_explicit,
@@ -117,12 +118,12 @@ DRUM = tuple(
     )
 )
 SHARED = (
-    field("travel.half_angle_deg", "half_travel_deg", asked=True)._replace(
-        short=("travel.to_deg", lambda d: 2 * d.half_travel_deg + (d.travel_from_deg or 0.0))
+    field(at.travel.half_angle_deg, "half_travel_deg", asked=True)._replace(
+        short=(at.travel.to_deg, lambda d: 2 * d.half_travel_deg + (d.travel_from_deg or 0.0))
     ),
-    field("travel.stop_clearance_deg", "stop_clearance_deg"),
-    DesignVariable("rope.preload_N", lambda drive: drive.cables[0].preload_N, _preload),
+    field(at.travel.stop_clearance_deg, "stop_clearance_deg"),
+    DesignVariable(at.rope.preload_N, lambda drive: drive.cables[0].preload_N, _preload),
     field(ROPE_DIAMETER, "cable.diameter_mm", asked=True),
-    field("loads.test_torque_Nm", asked=True),
-    field("loads.peak_torque_Nm", asked=True),
+    field(at.loads.test_torque_Nm, asked=True),
+    field(at.loads.peak_torque_Nm, asked=True),
 )

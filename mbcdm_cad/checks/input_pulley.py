@@ -3,6 +3,7 @@
 from mbcdm_cad.checks.bearings import carried_check, coupled_check
 from mbcdm_cad.checks.comparison import Check, Comparison, Findings, at_least, at_most, check, noted
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.coupling import collar_width_mm
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM, STOP_PLAY_MM, InputPulleyDims, StopSlot
@@ -57,8 +58,8 @@ def stop_pocket_wall(s: SectorLayout) -> Findings:
 @check(
     "Metal between the stops' pockets",
     "material: min_wall_mm",
-    up("rope.helix_lead_mm"),
-    up("rope.dead_turns"),
+    up(at.rope.helix_lead_mm),
+    up(at.rope.dead_turns),
     up("all radii of transmission"),
 )
 def stop_pocket_floor(s: SectorLayout) -> Findings:
@@ -124,8 +125,8 @@ def encoder_fit(s: SectorLayout) -> Findings:
 @check(
     "Bought parts are deep enough for their holes",
     "catalogue; 1 mm: estimate",
-    up("support.motor_shelf_mm"),
-    up("support.top_plate_mm"),
+    up(at.support.motor_shelf_mm),
+    up(at.support.top_plate_mm),
     advice="choose a drive.gearhead or drive.encoder with a shorter screw",
     none=noted("no threaded holes in bought parts: depth", 0.0, "mm"),
 )
@@ -151,7 +152,7 @@ def bought_depth(s: SectorLayout) -> Findings:
 @carried_check(
     "Clamp collar grips the gearhead's shaft",
     "one diameter: usual rule",
-    down("support.motor_shelf_mm"),
+    down(at.support.motor_shelf_mm),
     advice="choose a drive.gearhead with a longer shaft",
 )
 def shaft_grip(s: SectorLayout) -> Findings:
@@ -170,7 +171,7 @@ def shaft_grip(s: SectorLayout) -> Findings:
     )
 
 
-@carried_check("Gearhead's pilot clears pulley and screws", "clearances.running_mm", up("support.motor_shelf_mm"))
+@carried_check("Gearhead's pilot clears pulley and screws", at.clearances.running_mm, up(at.support.motor_shelf_mm))
 def pilot_room(s: SectorLayout) -> Findings:
     """Gap between the gearhead's centring boss and the pulley's journal, the shelf and the screws' heads."""
     gear, running = s.drive.gearhead, s.drive.clearances.running_mm
@@ -186,8 +187,8 @@ def pilot_room(s: SectorLayout) -> Findings:
 @carried_check(
     "Coupling space is high enough",
     "clearances.running_mm; 0.1 mm: estimate",
-    up("support.coupling_space_mm"),
-    up("support.motor_shelf_mm"),
+    up(at.support.coupling_space_mm),
+    up(at.support.motor_shelf_mm),
 )
 def coupling_height(s: SectorLayout) -> Findings:
     """The coupling space has room for collar and slit below the bearing, and to insert gearhead screws and collar."""

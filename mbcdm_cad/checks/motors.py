@@ -15,6 +15,7 @@ from mbcdm_cad.checks.comparison import Comparison, Family, at_least, at_most, c
 from mbcdm_cad.checks.design_variables import down
 from mbcdm_cad.checks.run import floored, rounded
 from mbcdm_cad.checks.strength import balanced_preloads, rated_input_Nm
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.model.capability import torque_at_input_limit_Nm
@@ -33,8 +34,8 @@ STRONGER_GEARHEAD = "choose a stronger drive.gearhead, state what the drive does
 _WORDS = {1: "+", -1: "-"}
 
 
-_LESS = (down("loads.peak_torque_Nm"),)
-_EASIER = (down("rope.preload_N"), down("transmission.input_to_drum"))
+_LESS = (down(at.loads.peak_torque_Nm),)
+_EASIER = (down(at.rope.preload_N), down(at.transmission.input_to_drum))
 
 
 def saturation_Nm(s: Layout, limit_Nm: float, direction: int) -> tuple[float, str]:
@@ -199,7 +200,7 @@ def gearhead_continuous(s: Layout) -> Comparison:
     In the worse direction; the cubic mean of the duty's load counts, as gearhead makers do.
     """
     limit, duty = s.drive.reduction.rated_torque_mNm * 1e-3, s.duty
-    whose = "loads.duty" if duty.stated else "an assumed duty, as the file has no loads.duty"
+    whose = at.loads.duty if duty.stated else "an assumed duty, as the file has no loads.duty"
     found = _mounted(s, "continuous rating", limit, f"cubic mean of {whose}; hold more only for a short time")
     return found._replace(limit=duty.lasting_torque_Nm)
 
@@ -262,7 +263,7 @@ def _longer(s: Layout, found: Comparison) -> str:
 @check(
     "Torque held continuously",
     "loads.continuous_torque_Nm; motor and gearhead catalogue",
-    down("loads.continuous_torque_Nm"),
+    down(at.loads.continuous_torque_Nm),
     advice_on=_longer,
     applies=lambda drive: drive.loads.lasting_Nm is not None,
 )
@@ -270,7 +271,7 @@ def continuous_torque(s: Layout) -> Comparison:
     """Drum torque that motors and gearheads keep up without end, worse direction, against what the file asks."""
     loads = s.drive.loads
     wanted, stated = float(loads.lasting_Nm or 0.0), float(loads.continuous_torque_Nm or 0.0)
-    note = "loads.continuous_torque_Nm" if stated >= wanted else "the payload's weight beside the axis"
+    note = at.loads.continuous_torque_Nm if stated >= wanted else "the payload's weight beside the axis"
     return worst(found._replace(limit=wanted, note=note) for found in continuous_limits(s))
 
 
@@ -281,8 +282,8 @@ def _asked(field: str, drive: object) -> bool:
 @check(
     "Speed of the drum under load",
     "loads.speed_deg_s; motor catalogue: constant, resistance, voltage",
-    down("transmission.input_to_drum"),
-    down("loads.speed_deg_s"),
+    down(at.transmission.input_to_drum),
+    down(at.loads.speed_deg_s),
     advice="choose a gearhead of lower ratio, a higher drive.bus_voltage_V or a faster motor",
     applies=partial(_asked, "speed_deg_s"),
 )

@@ -10,6 +10,7 @@ from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.design.bought import SpringSpec
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.drive import CableRun
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.springs import spring_start_Nm, spring_turn_urad_Nm, spring_urad_Nm
@@ -67,8 +68,8 @@ def _strong(s: SectorLayout) -> str:
 @_spring_check(
     "Springs are not pressed flat at peak torque",
     "catalogue of springs: usable share of their travel",
-    down("loads.peak_torque_Nm"),
-    down("rope.preload_N"),
+    down(at.loads.peak_torque_Nm),
+    down(at.rope.preload_N),
     advice=_strong,
     unit="times",
 )
@@ -85,8 +86,8 @@ def spring_flat(s: SectorLayout) -> Findings:
 @_spring_check(
     "Springs stay pressed at peak torque",
     "model with wraps that end; a twentieth of the preload: estimate",
-    up("rope.preload_N"),
-    down("loads.peak_torque_Nm"),
+    up(at.rope.preload_N),
+    down(at.loads.peak_torque_Nm),
     unit="of preload",
 )
 def spring_free(s: SectorLayout) -> Findings:
@@ -123,8 +124,8 @@ def _stiffer(s: SectorLayout) -> str:
 @_spring_check(
     "Turn by springs that move",
     "model with wraps that end; a quarter of the cables' turn: estimate",
-    up("rope.preload_N"),
-    up("drum.sector_half_angle_deg"),
+    up(at.rope.preload_N),
+    up(at.drum.sector_half_angle_deg),
     advice=_stiffer,
     warn=True,
 )

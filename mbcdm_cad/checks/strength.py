@@ -12,6 +12,7 @@ from mbcdm_cad.checks.comparison import Comparison, Family, Findings, at_least, 
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.run import floored, rounded
 from mbcdm_cad.design.catalogue import package_entries
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.life import life_of
 from mbcdm_cad.model.capability import SLACK_SHARE, balanced_preload_N, torque_at_input_limit_Nm, torque_at_slip_Nm
@@ -27,8 +28,8 @@ BIAS_SHARE = 0.1
 @check(
     "No cable slack at peak torque",
     "paper section 3; a hundredth of the preload: estimate",
-    up("rope.preload_N"),
-    down("loads.peak_torque_Nm"),
+    up(at.rope.preload_N),
+    down(at.loads.peak_torque_Nm),
     unit="N",
 )
 def no_slack(s: Layout) -> Findings:
@@ -65,8 +66,8 @@ def _stronger_rope(s: Layout, found: Comparison) -> str:
 @check(
     "Tension against the breaking load",
     "limits.tension_safety_factor; rope makers: 5 to 10",
-    down("loads.peak_torque_Nm"),
-    down("rope.preload_N"),
+    down(at.loads.peak_torque_Nm),
+    down(at.rope.preload_N),
     advice_on=_stronger_rope,
     unit="times",
 )
@@ -80,7 +81,7 @@ def tension(s: Layout) -> Findings:
 @check(
     "Preload against the breaking load",
     "limits.preload_share_max; rope makers: under half",
-    down("rope.preload_N"),
+    down(at.rope.preload_N),
     advice_on=_stronger_rope,
 )
 def preload_share(s: Layout) -> Comparison:
@@ -119,9 +120,9 @@ def termination_fits(s: Layout) -> Findings:
 @check(
     "Ends hold the cable",
     "limits.tension_safety_factor; strength share in the catalogue of terminations",
-    up("rope.dead_turns"),
-    down("loads.peak_torque_Nm"),
-    down("rope.preload_N"),
+    up(at.rope.dead_turns),
+    down(at.loads.peak_torque_Nm),
+    down(at.rope.preload_N),
     advice_on=lambda s, found: f"{_stronger_rope(s, found)} or a stronger rope.termination",
     unit="times",
 )
@@ -220,8 +221,8 @@ def needed_share(s: Layout) -> float:
 @check(
     "Preload left after the rope's creep",
     "model: creep of the catalogue; 30 days: estimate",
-    up("rope.preload_N"),
-    down("loads.peak_torque_Nm"),
+    up(at.rope.preload_N),
+    down(at.loads.peak_torque_Nm),
     advice="choose a rope.type that creeps less, or a thicker one",
     warn=True,
 )
@@ -246,7 +247,7 @@ def retension(s: Layout) -> Comparison:
 _TEST_IT = "not shown: the generic figure shows no life; test the rope and state its life_anchor"
 
 
-_ADJUST = (down("rope.preload_N"), up("all radii of transmission"))
+_ADJUST = (down(at.rope.preload_N), up("all radii of transmission"))
 
 
 def _what_helps(s: Layout) -> str:

@@ -5,6 +5,7 @@ from math import hypot, pi
 from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check, noted, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.fixings import FRICTION, STRESS_SAFETY, lasting_MPa, stalled_Nm
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import PRINTED_WINDUP
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.structure import drum_structure_of, structure_of
@@ -15,11 +16,11 @@ from mbcdm_cad.parts.fits import SHEAR_SHARE, ScrewHold, clamp_force_N, screw_ho
 # Turn of the structure over that of the cables from which on a design that asks for no stiffness is warned of, of metal
 # and where drum or frame is printed: sized by the rules, drives have at most 2.4 and 4.7 (docs/structure.md).
 SOFT, SOFT_PRINTED = 2.5, 5.0
-_LESS: tuple[Adjustment, ...] = (down("loads.peak_torque_Nm"),)
+_LESS: tuple[Adjustment, ...] = (down(at.loads.peak_torque_Nm),)
 
 
 # A material is no number, so that remedies offer none: a search alone takes a stiffer one.
-_METALS = (up("support.material"), up("drum.material"))
+_METALS = (up(at.support.material), up(at.drum.material))
 
 
 def _stress(what: str, strength_MPa: float, stress_MPa: float, load_Nm: float) -> Comparison:
@@ -35,8 +36,8 @@ def _stronger(s: SectorLayout) -> str:
 @check(
     "Stress in the drum",
     "plane elements and plates, torsion of a tube; 1.5 on yield, 0.4 of it for plastics: usual rule, estimate",
-    up("drum.web_thickness_mm"),
-    up("drum.hub_diameter_mm"),
+    up(at.drum.web_thickness_mm),
+    up(at.drum.hub_diameter_mm),
     *_LESS,
     advice=_stronger,
 )
@@ -61,7 +62,7 @@ def drum_stress(s: SectorLayout) -> Findings:
 @check(
     "Payload's screws hold peak torque and payload",
     "mu F r; class 8.8 at 0.7 of yield, mu 0.15, 1.5 on slip: usual values",
-    up("drum.hub_diameter_mm"),
+    up(at.drum.hub_diameter_mm),
     *_LESS,
     advice="choose a stronger drum.material",
 )
@@ -175,10 +176,10 @@ def _stiffer(s: SectorLayout) -> str:
 @check(
     "Stiffness at the payload",
     "loads.stiffness_Nm_rad; compliance by cause",
-    up("drum.web_thickness_mm"),
-    up("drum.hub_diameter_mm"),
+    up(at.drum.web_thickness_mm),
+    up(at.drum.hub_diameter_mm),
     up("all radii of transmission"),
-    up("rope.preload_N"),
+    up(at.rope.preload_N),
     *_METALS,
     advice=_stiffer,
 )
@@ -200,8 +201,8 @@ def stiffness(s: SectorLayout) -> Comparison:
 @check(
     "Structure's turn over the cables' turn",
     "loads.structure_share, else a warning beyond 2.5, printed 5: more than rules leave; compliance by cause",
-    up("drum.web_thickness_mm"),
-    up("drum.hub_diameter_mm"),
+    up(at.drum.web_thickness_mm),
+    up(at.drum.hub_diameter_mm),
     *_METALS,
     advice=lambda s: _softest(structure_of(s), {}),
     applies=lambda drive: drive.loads.structure_share is not None or drive.loads.stiffness_Nm_rad is None,

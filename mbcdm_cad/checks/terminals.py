@@ -11,6 +11,7 @@ from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import Points, box_gap, polygon_gap
 from mbcdm_cad.checks.springs import led
 from mbcdm_cad.design.catalogue import package_entries
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.drum_sector.dims import LUG_ROOT_MM, POCKET_LEAD_MM, DrumDims
@@ -28,7 +29,7 @@ LUG_SAFETY = 2.0
 _ALONE = noted("terminals beside another one", 0.0, "")
 
 
-_ROOM: tuple[Adjustment, ...] = (up("all radii of transmission"), up("drum.outer_face_y_mm"))
+_ROOM: tuple[Adjustment, ...] = (up("all radii of transmission"), up(at.drum.outer_face_y_mm))
 _SMALLER = "choose a smaller drum.tensioner"
 
 
@@ -113,7 +114,7 @@ def terminals_apart(s: SectorLayout) -> Findings:
 @check(
     "Stated angles of terminals are inside the sector",
     "derived",
-    up("drum.sector_half_angle_deg"),
+    up(at.drum.sector_half_angle_deg),
     advice="state a smaller terminal_angle_deg for this cable, or leave it out",
     none=noted("no angle of a terminal is stated", 0.0, ""),
 )
@@ -149,7 +150,7 @@ def lands_intact(s: SectorLayout) -> Findings:
             yield f"cable over terminal where they pass, {names}", b.radius_mm - half - pocket_top, TERMINAL_GAP_MM
 
 
-@check("Rim reaches beyond the terminals", "derived", up("drum.outer_face_y_mm"), advice=_SMALLER)
+@check("Rim reaches beyond the terminals", "derived", up(at.drum.outer_face_y_mm), advice=_SMALLER)
 def outer_face(s: SectorLayout) -> Findings:
     """Distance from the rim's outer face to the outermost nut or lug."""
     d = s.drum
@@ -182,8 +183,8 @@ def pocket_corners(s: SectorLayout) -> Findings:
 @check(
     "Stress in the tensioner studs",
     "material: yield_MPa; 2: usual rule",
-    down("loads.peak_torque_Nm"),
-    down("rope.preload_N"),
+    down(at.loads.peak_torque_Nm),
+    down(at.rope.preload_N),
     advice="choose a larger drum.tensioner",
     unit="times",
 )
@@ -198,9 +199,9 @@ def stud_stress(s: SectorLayout) -> Findings:
 @check(
     "Stress in the lugs",
     "material: yield_MPa; 2: usual rule",
-    up("drum.outer_face_y_mm"),
-    down("loads.peak_torque_Nm"),
-    down("rope.preload_N"),
+    up(at.drum.outer_face_y_mm),
+    down(at.loads.peak_torque_Nm),
+    down(at.rope.preload_N),
     unit="times",
 )
 def lug_stress(s: SectorLayout) -> Findings:
@@ -245,7 +246,7 @@ def _longer_stud(s: SectorLayout) -> str:
 @check(
     "Terminals reach the preload",
     "derived: T l / EA + bedding-in + cut length",
-    down("rope.preload_N"),
+    down(at.rope.preload_N),
     advice=_longer_stud,
 )
 def take_up(s: SectorLayout) -> Findings:

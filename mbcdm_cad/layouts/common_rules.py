@@ -5,6 +5,7 @@ from typing import Any
 
 from mbcdm_cad.checks.drum_sector import STOP_WINDOW_DEG
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.design.rules import Broken, broken_ends
 from mbcdm_cad.sizing.known import KnownFields, RopeKnown
 from mbcdm_cad.sizing.rule import Found, constant, driver_of, rule, significant
@@ -26,18 +27,18 @@ TEST_SHARE = 0.3
 
 
 def _is_braid(given: RopeKnown) -> bool:
-    known = given.has("rope.type") or given.has("rope.inline")
+    known = given.has(at.rope.type) or given.has(at.rope.inline)
     return known and given.rope["construction"] == "braid"
 
 
 def wants_life(given: KnownFields) -> bool:
     """Whether the file asks for a life of the cables."""
-    return given.get("targets.life_cycles") is not None or given.get("targets.life_h") is not None
+    return given.get(at.targets.life_cycles) is not None or given.get(at.targets.life_h) is not None
 
 
 def stated_end(given: KnownFields) -> Mapping[str, Any] | None:
     """The entry of the ends that the file asks for by name; None where it leaves them out."""
-    name = given.get("rope.termination")
+    name = given.get(at.rope.termination)
     return None if name is None else given.entries("terminations").get(name)
 
 
@@ -75,13 +76,13 @@ def least_bend_ratio(given: RopeKnown) -> float:
         return float(given.rope["bend_ratio_minimum"])
     if not wants_life(given):
         return LEAST_LONG_RATIO if given.whole_drum else LEAST_WIRE_RATIO
-    known = given.has("rope.type") or given.has("rope.inline")
+    known = given.has(at.rope.type) or given.has(at.rope.inline)
     rope = given.rope if known else given.entries("ropes")[FINER_ROPE]
     return float(rope["bend_ratio_desired"])
 
 
 @rule(
-    "limits.bend_ratio_min",
+    at.limits.bend_ratio_min,
     "least D/d of makers' tables; a fibre rope's own minimum; what the maker recommends where targets ask for a life",
     "life",
 )
@@ -94,24 +95,24 @@ def bend_ratio(given: RopeKnown) -> Found:
     return Found(least, "rope makers' tables of wire rope begin at 10")
 
 
-@rule("rope.friction_coefficient", "usual value of dry wire rope, or of smooth fibre, on metal", "rope")
+@rule(at.rope.friction_coefficient, "usual value of dry wire rope, or of smooth fibre, on metal", "rope")
 def friction(given: RopeKnown) -> float:
     return 0.1 if _is_braid(given) else 0.15
 
 
-@rule("loads.test_torque_Nm", "0.3 of the peak torque", "loads")
+@rule(at.loads.test_torque_Nm, "0.3 of the peak torque", "loads")
 def test_torque(given: KnownFields) -> float:
-    return significant(TEST_SHARE * given["loads.peak_torque_Nm"], 2)
+    return significant(TEST_SHARE * given[at.loads.peak_torque_Nm], 2)
 
 
 @rule(
-    "clearances.transfer_gap_mm",
+    at.clearances.transfer_gap_mm,
     "half the rope's diameter less the edge margin of the land and a broken edge",
     "transfer_gap",
 )
 def transfer_gap(given: RopeKnown) -> Found:
     """Half a rope minus the land's edge margin and the chamfer, mm, but at least the run-out."""
-    wide = given.d_mm / 2 - given["clearances.land_edge_mm"] - EDGE_BREAK_MM
+    wide = given.d_mm / 2 - given[at.clearances.land_edge_mm] - EDGE_BREAK_MM
     driver = driver_of({"bodies_clear": RUN_OUT_MM, "transfer_gap": wide}, max)
     return Found(round(max(wide, RUN_OUT_MM), 4), driver)
 
@@ -124,30 +125,32 @@ def needed(field: str, remedy: str) -> Broken:
 
 def missing_travel(given: KnownFields, meaning: str) -> Iterator[Broken]:
     """What the file lacks, or contradicts, of the travel: half of it, or both ends."""
-    ends = given.peek("travel.from_deg"), given.peek("travel.to_deg")
+    ends = given.peek(at.travel.from_deg), given.peek(at.travel.to_deg)
     yield from broken_ends(*ends)
-    if ends == (None, None) and not given.has("travel.half_angle_deg"):
-        yield needed("travel.half_angle_deg", f"add half_angle_deg: 35.0 ({meaning}, deg), or from_deg and to_deg")
+    if ends == (None, None) and not given.has(at.travel.half_angle_deg):
+        yield needed(at.travel.half_angle_deg, f"add half_angle_deg: 35.0 ({meaning}, deg), or from_deg and to_deg")
 
 
-@rule("travel.half_angle_deg", "half of the way from from_deg to to_deg; the drum is centred in its middle", "the file")
+@rule(
+    at.travel.half_angle_deg, "half of the way from from_deg to to_deg; the drum is centred in its middle", "the file"
+)
 def half_travel(given: KnownFields) -> float:
-    return float(given["travel.to_deg"] - given["travel.from_deg"]) / 2
+    return float(given[at.travel.to_deg] - given[at.travel.from_deg]) / 2
 
 
 SCHEMA_VERSION = constant("schema_version", 1, "the version of the file's layout", "the program")
 STOP_CLEARANCE = constant(
-    "travel.stop_clearance_deg",
+    at.travel.stop_clearance_deg,
     STOP_WINDOW_DEG / 2,
     "middle of the range beyond the travel in which the stops must engage",
     "stop_within_half_degree",
 )
-TENSION_SAFETY = constant("limits.tension_safety_factor", 5.0, "usual factor; rope makers state 5 to 10", "tension")
-PRELOAD_SHARE = constant("limits.preload_share_max", 0.5, "rope makers' limit: less than half", "preload_share")
+TENSION_SAFETY = constant(at.limits.tension_safety_factor, 5.0, "usual factor; rope makers state 5 to 10", "tension")
+PRELOAD_SHARE = constant(at.limits.preload_share_max, 0.5, "rope makers' limit: less than half", "preload_share")
 MESH_TOLERANCE = constant("export.mesh_tolerance_mm", 0.01, "finer than the tolerances of usual workshops", "export")
 RUNNING = constant(
-    "clearances.running_mm", 0.25, "gap for the tolerances and the run-out of moving parts", "frame_front"
+    at.clearances.running_mm, 0.25, "gap for the tolerances and the run-out of moving parts", "frame_front"
 )
-DRUM_MATERIAL = constant("drum.material", "aluminium-7075", "light and strong; the part is milled", "process")
-SHAFT_MATERIAL = constant("drum.shaft_material", "steel", "made from ground bar", "process")
-SUPPORT_MATERIAL = constant("support.material", "aluminium-7075", "light and stiff; the part is milled", "process")
+DRUM_MATERIAL = constant(at.drum.material, "aluminium-7075", "light and strong; the part is milled", "process")
+SHAFT_MATERIAL = constant(at.drum.shaft_material, "steel", "made from ground bar", "process")
+SUPPORT_MATERIAL = constant(at.support.material, "aluminium-7075", "light and stiff; the part is milled", "process")

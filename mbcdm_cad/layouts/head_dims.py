@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from mbcdm_cad.checks.fixings import STRESS_SAFETY, lasting_MPa, stalled_Nm
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.design.sized import NOT_USED
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.common_rules import STOP_PINS_MM
@@ -45,7 +46,7 @@ def either(given: TrialKnown, part: str, values: tuple[float, float]) -> float:
 
 
 @rule(
-    "support.motor_shelf_mm",
+    at.support.motor_shelf_mm,
     "thickness that leaves enough engagement for the screws of motor or gearhead, less where a motor's shaft is short",
     "engagement",
 )
@@ -68,7 +69,7 @@ def motor_shelf(given: TrialKnown) -> Found:
         return Found(usual, driver, "up to 0.1")
     # The shaft of a motor ends soon behind its face: a thinner shelf leaves the collar more of it.
     grip = "motor_shaft_grip" if given.overhung else "shaft_grip"
-    found = given.moved("support.motor_shelf_mm", usual, -0.1, (grip, "walls", "bought_depth"))
+    found = given.moved(at.support.motor_shelf_mm, usual, -0.1, (grip, "walls", "bought_depth"))
     return Found(found.value, found.driver or driver, found.rounding)
 
 
@@ -80,20 +81,20 @@ def _shelf(given: TrialKnown, field: str, bearing: str, checks: tuple[str, ...])
     return given.moved(f"support.{field}", max(width + given.wall_mm("support"), LEAST_SHELF_MM), 0.1, checks)
 
 
-@rule("support.bearing_shelf_mm", "least height for the bearing next to the motor and a shoulder", "bearing_seats")
+@rule(at.support.bearing_shelf_mm, "least height for the bearing next to the motor and a shoulder", "bearing_seats")
 def bearing_shelf(given: TrialKnown) -> Found:
     """Shelf of the bearing next to the motor."""
     return _shelf(given, "bearing_shelf_mm", "lower_bearing", ("bearing_seats", "walls"))
 
 
-@rule("support.encoder_shelf_mm", "least height for bearing, shoulder and sunk screw heads", "encoder_shelf")
+@rule(at.support.encoder_shelf_mm, "least height for bearing, shoulder and sunk screw heads", "encoder_shelf")
 def encoder_shelf(given: TrialKnown) -> Found:
     """Shelf of the bearing next to the encoder."""
     return _shelf(given, "encoder_shelf_mm", "upper_bearing", ("encoder_shelf",))
 
 
 @rule(
-    "support.coupling_space_mm",
+    at.support.coupling_space_mm,
     "least space to insert the collar, the screws of the motor or gearhead and their key",
     "coupling_height",
 )
@@ -101,7 +102,7 @@ def coupling_space(given: TrialKnown) -> Found:
     """Space between the shelves of motor and bearing."""
     if given.overhung:
         return Found(COUPLING_MM, UNUSED)
-    return given.moved("support.coupling_space_mm", COUPLING_MM, 0.1, ("coupling_height", "collar_space"))
+    return given.moved(at.support.coupling_space_mm, COUPLING_MM, 0.1, ("coupling_height", "collar_space"))
 
 
 def side_wall(given: TrialKnown) -> float:
@@ -109,23 +110,23 @@ def side_wall(given: TrialKnown) -> float:
     return max(either(given, "support", SIDE_MM), 2 * given.wall_mm("support"))
 
 
-@rule("drum.shaft_bore_mm", "half the bearings' bore, or less for the wall of the shaft", "shaft_wall")
+@rule(at.drum.shaft_bore_mm, "half the bearings' bore, or less for the wall of the shaft", "shaft_wall")
 def shaft_bore(given: TrialKnown) -> Found:
     """Bore of the drum's shaft."""
-    bore = given.entry("bearings", "drum.bearing")["bore_mm"]
+    bore = given.entry("bearings", at.drum.bearing)["bore_mm"]
     return given.moved(SHAFT_BORE, SHAFT_BORE_SHARE * bore, -0.5, ("shaft_wall", "shaft_stress", "shaft_twist"))
 
 
-@rule("drum.web_thickness_mm", "usual thickness for its material, more where plastic is stressed", "web_in_rim")
+@rule(at.drum.web_thickness_mm, "usual thickness for its material, more where plastic is stressed", "web_in_rim")
 def web(given: TrialKnown) -> Found | float:
     """Web of the drum; one of plastic, in a wide whole drum, or with much torque, is as thick as its stress asks.
 
     The stress of most metal webs is far from the limit, and to compute it takes longer than all other rules of a drum.
     """
     usual = either(given, "drum", WEB_MM)
-    if not given.printed("drum") and given["loads.peak_torque_Nm"] < (WHOLE_NM if given.whole_drum else STRESSED_NM):
+    if not given.printed("drum") and given[at.loads.peak_torque_Nm] < (WHOLE_NM if given.whole_drum else STRESSED_NM):
         return usual
-    field = "drum.web_thickness_mm"
+    field = at.drum.web_thickness_mm
     if not given.drives.passes and all(way.field != field for way in given.drives.ends):
         return usual  # the rest of the drum is guessed yet, and its stress takes longest of all checks
     return given.moved(field, usual, 0.5, ("drum_stress",))
@@ -134,8 +135,8 @@ def web(given: TrialKnown) -> Found | float:
 def _windows_cost(given: TrialKnown) -> bool:
     """Whether windows cost more than they save: a thicker web for the stress beside them, or much of its stiffness."""
     usual = either(given, "drum", WEB_MM)
-    stated = given.get("drum.web_thickness_mm") is not None
-    if stated or (not given.printed("drum") and given["loads.peak_torque_Nm"] < STRESSED_NM):
+    stated = given.get(at.drum.web_thickness_mm) is not None
+    if stated or (not given.printed("drum") and given[at.loads.peak_torque_Nm] < STRESSED_NM):
         return False
 
     def block(windows: str) -> dict[str, Any]:
@@ -152,7 +153,7 @@ def _windows_cost(given: TrialKnown) -> bool:
 
     # Before the first pass, what is guessed says nothing about the stress; once closed, they stay closed.
     if not given.drives.passes:
-        return bool(given.guesses.get("drum.windows") == "none")
+        return bool(given.guesses.get(at.drum.windows) == "none")
     closed = given.drives.windows
     if _OUTER not in closed:
         outer = strength("outer")
@@ -167,20 +168,20 @@ def _windows_cost(given: TrialKnown) -> bool:
 
 
 @rule(
-    "drum.hub_diameter_mm",
+    at.drum.hub_diameter_mm,
     "least diameter for the walls round shaft and set screws, its torsion and the payload's screws",
     "hub_walls",
 )
 def hub(given: TrialKnown) -> Found:
     """Diameter of the drum's hub, not less than its torsion asks at the peak torque or with stalled motors."""
-    bore, field = given.entry("bearings", "drum.bearing")["bore_mm"], "drum.hub_diameter_mm"
+    bore, field = given.entry("bearings", at.drum.bearing)["bore_mm"], at.drum.hub_diameter_mm
     usual, twisted, screwed = bore + 4.0, 0.0, 0.0
     with suppress(NoFigureError, ValueError):
         trial = given.trial(field, usual)
         assert isinstance(trial, SectorLayout)
         bears_MPa = lasting_MPa(trial.drive.drum_material) * SHEAR_SHARE / STRESS_SAFETY
         twisted = rounded_up(2.0 * least_hub_mm(bore / 2.0, stalled_Nm(trial), bears_MPa), 0.5)
-        if given.printed("drum") and given.get("printing.threads") == "inserts":
+        if given.printed("drum") and given.get(at.printing.threads) == "inserts":
             # Larger inserts come only with larger hubs: a search that starts small ends between two of them.
             screwed = 2.0 * payload_hub_mm(trial)
     checks = ("hub_walls", "hub_spigot", "hub_set_screws", "engagement", "payload_screws")
@@ -197,39 +198,39 @@ def payload_hub_mm(layout: SectorLayout) -> float:
     return min(joint.least_hub_mm(load, shaft, material.min_wall_mm) for joint in found)
 
 
-@rule("drum.rim_inner_radius_mm", "the thinnest rim that the terminals' pockets allow", "rim_height")
+@rule(at.drum.rim_inner_radius_mm, "the thinnest rim that the terminals' pockets allow", "rim_height")
 def rim(given: TrialKnown) -> Found:
     """Inner radius of the drum's rim."""
     start = given.drum_mm - 2 * given.d_mm
-    return given.moved("drum.rim_inner_radius_mm", start, -0.5, ("rim_height", "pocket_corners"))
+    return given.moved(at.drum.rim_inner_radius_mm, start, -0.5, ("rim_height", "pocket_corners"))
 
 
-@rule("drum.stop_pin_mm", "the thinnest pin that holds the stalled motor", "stop_pin")
+@rule(at.drum.stop_pin_mm, "the thinnest pin that holds the stalled motor", "stop_pin")
 def stop_pin(given: TrialKnown) -> Found:
     """Diameter of the stop pin; after two passes no thinner again, for a thinner web goes with a thicker pin."""
-    field = "drum.stop_pin_mm"
+    field = at.drum.stop_pin_mm
     least = given.guesses.get(field, 0.0) if given.drives.passes > 1 else 0.0
     return given.first(field, [pin for pin in STOP_PINS_MM if pin >= least], ("stop_pin",))
 
 
-@rule("drum.hub_face_y_mm", "least length for set screws and payload threads", "hub_length")
+@rule(at.drum.hub_face_y_mm, "least length for set screws and payload threads", "hub_length")
 def hub_face(given: TrialKnown) -> Found:
     """Face of the drum's hub."""
-    return given.moved("drum.hub_face_y_mm", given["drum.outer_face_y_mm"], 0.1, ("hub_length",))
+    return given.moved(at.drum.hub_face_y_mm, given[at.drum.outer_face_y_mm], 0.1, ("hub_length",))
 
 
-@rule("drum.sector_half_angle_deg", "least angle for the travel and the wrap that must remain", "wrap_left")
+@rule(at.drum.sector_half_angle_deg, "least angle for the travel and the wrap that must remain", "wrap_left")
 def sector(given: TrialKnown) -> Found:
     """Half angle of the drum's sector."""
-    if given["travel.half_angle_deg"] > given.most_sector_travel_deg:
+    if given[at.travel.half_angle_deg] > given.most_sector_travel_deg:
         return Found(WHOLE_DEG, "wrap_under_turn", "a whole drum")
-    start = min(given["travel.half_angle_deg"] + SECTOR_SPARE_DEG, WIDEST_DEG)
+    start = min(given[at.travel.half_angle_deg] + SECTOR_SPARE_DEG, WIDEST_DEG)
     checks = ("wrap_left", "terminal_clears_input", "stop_slot", "terminal_angles")
-    return given.moved("drum.sector_half_angle_deg", start, 1.0, checks)
+    return given.moved(at.drum.sector_half_angle_deg, start, 1.0, checks)
 
 
 WINDOWS = Rule(
-    "drum.windows",
+    at.drum.windows,
     "none where a web of usual thickness does not bear the stress beside them, or would turn much less without them",
     "drum_stress",
     lambda given: "none",
@@ -239,12 +240,12 @@ WINDOWS = Rule(
 
 def drum_rules(outer_face: str, outer_face_value: Callable[[Any], Found]) -> tuple[Rule, ...]:
     """Rules of a drum sector, of which layouts have that of its outer face of their own."""
-    face = Rule("drum.outer_face_y_mm", outer_face, "outer_face", outer_face_value)
+    face = Rule(at.drum.outer_face_y_mm, outer_face, "outer_face", outer_face_value)
     return (WINDOWS, web, shaft_bore, hub, sector, stop_pin, rim, face, hub_face)
 
 
 def mount_screw(screws: Iterable[str], *checks: str) -> Rule:
     """Rule of the mounting screws, of those of a layout, with ``checks`` that they must pass besides."""
-    field, own = "support.mount_screw", ("mounting_screws", *checks)
+    field, own = at.support.mount_screw, ("mounting_screws", *checks)
     text = "the thinnest that holds the peak torque by friction"
     return Rule(field, text, own[0], lambda given: given.first(field, screws, own))

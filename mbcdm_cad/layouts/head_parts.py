@@ -6,6 +6,7 @@ from typing import Any
 
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM
 from mbcdm_cad.design.bought import NO_BEARING, NO_ENCODER
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.design.sized import NOT_USED
 from mbcdm_cad.layouts.common_rules import COLLAR_SCREWS
 from mbcdm_cad.layouts.head_dims import UNUSED
@@ -19,7 +20,7 @@ JOURNAL_MM = 4.0
 
 def _bores(given: TrialKnown) -> set[float]:
     """Bores of the encoders that sit on the end of a shaft; of the stated one."""
-    stated, entries = given.get("drive.encoder"), given.entries("encoders")
+    stated, entries = given.get(at.drive.encoder), given.entries("encoders")
     return {entries[name]["bore_mm"] for name in ([stated] if stated in entries else entries) if _RING not in name}
 
 
@@ -41,7 +42,7 @@ def _beside(given: TrialKnown, bearing: dict[str, Any], kind: str = _RING) -> li
         return bool(web >= HOLE_WEB_MM)
 
     names = by_mass(given, "encoders", fits)
-    return [name for name in names if given.get("drive.drum_encoder") in (None, name)]
+    return [name for name in names if given.get(at.drive.drum_encoder) in (None, name)]
 
 
 def _left_out(given: TrialKnown, field: str) -> bool:
@@ -50,13 +51,13 @@ def _left_out(given: TrialKnown, field: str) -> bool:
 
 
 @rule(
-    "drum.bearing",
+    at.drum.bearing,
     "the lightest with a ring encoder that carries the drum and has a strong enough shaft",
     "drum_bearings",
 )
 def drum_bearing(given: TrialKnown) -> Found:
-    any_will_do = _left_out(given, "drive.drum_encoder")
-    field, refused, before = "drum.bearing", given.drives.refused, given.guesses.get("drum.bearing")
+    any_will_do = _left_out(given, at.drive.drum_encoder)
+    field, refused, before = at.drum.bearing, given.drives.refused, given.guesses.get(at.drum.bearing)
     # A lighter bearing is narrower and so nearer to the other one: tried at the distance of a wider pair it seems to
     # carry the drum, and would be chosen and refused in turn.
     if (
@@ -79,7 +80,7 @@ def drum_bearing(given: TrialKnown) -> Found:
     # A ring leaves the shaft open behind; where no bearing with one will do, an encoder on the shaft's end.
     names = allowed(_RING) or allowed("") or by_mass(given, "bearings", lambda _, entry: bool(_beside(given, entry)))
     # A bore that the file states is a hollow centre, round which the shaft needs a wall.
-    hollow = ("shaft_wall",) if given.get("drum.shaft_bore_mm") is not None else ()
+    hollow = ("shaft_wall",) if given.get(at.drum.shaft_bore_mm) is not None else ()
     checks = (*hollow, "drum_bearings", "shaft_stress", "shaft_twist", "set_screw_tips")
     found = given.first(field, names, checks)
     if not names or given.margins(field, found.value, ("drum_bearings",))["drum_bearings"][0] >= 0.0:
@@ -91,7 +92,7 @@ def drum_bearing(given: TrialKnown) -> Found:
 
 
 @rule(
-    "input_pulleys.lower_bearing",
+    at.input_pulleys.lower_bearing,
     "the lightest that fits journal and shaft, carries the cables' load and leaves access to the screws",
     "input_bearings",
 )
@@ -103,56 +104,58 @@ def lower(given: TrialKnown) -> Found:
     names = by_mass(given, "bearings", lambda _, entry: entry["bore_mm"] >= least)
     # A journal that carries a wheel has no bore.
     own = ("stage_journal",) if wheel else ("bore_wall", "key_access")
-    return given.first("input_pulleys.lower_bearing", names, (*own, "input_bearings"))
+    return given.first(at.input_pulleys.lower_bearing, names, (*own, "input_bearings"))
 
 
-@rule("input_pulleys.upper_bearing", "the lightest that carries the cables' load and fits an encoder", "input_bearings")
+@rule(
+    at.input_pulleys.upper_bearing, "the lightest that carries the cables' load and fits an encoder", "input_bearings"
+)
 def upper(given: TrialKnown) -> Found:
     if given.overhung:
         return Found(NO_BEARING, UNUSED)
-    bores, any_will_do = _bores(given), _left_out(given, "drive.encoder")
+    bores, any_will_do = _bores(given), _left_out(given, at.drive.encoder)
     names = by_mass(given, "bearings", lambda _, entry: any_will_do or entry["bore_mm"] in bores)
-    return given.first("input_pulleys.upper_bearing", names, ("input_bearings",))
+    return given.first(at.input_pulleys.upper_bearing, names, ("input_bearings",))
 
 
-@rule("drive.encoder", "the lightest that fits the journal", "encoder_fit")
+@rule(at.drive.encoder, "the lightest that fits the journal", "encoder_fit")
 def encoder(given: TrialKnown) -> Found:
     if given.overhung:
         return Found(NO_ENCODER, UNUSED)
-    bore = given.entry("bearings", "input_pulleys.upper_bearing")["bore_mm"]
+    bore = given.entry("bearings", at.input_pulleys.upper_bearing)["bore_mm"]
     names = by_mass(given, "encoders", lambda name, entry: _RING not in name and entry["bore_mm"] == bore)
-    return given.first("drive.encoder", names, given.encoder_checks)
+    return given.first(at.drive.encoder, names, given.encoder_checks)
 
 
-@rule("drive.drum_encoder", "the lightest ring that fits the drum's shaft", "encoder_fit")
+@rule(at.drive.drum_encoder, "the lightest ring that fits the drum's shaft", "encoder_fit")
 def drum_encoder(given: TrialKnown) -> Found:
-    bearing = given.entry("bearings", "drum.bearing")
+    bearing = given.entry("bearings", at.drum.bearing)
     # For a bearing that the file states there may be none beside its seat: the checks then state what is missing.
     names = (
         _beside(given, bearing)
         or _beside(given, bearing, "")
         or by_mass(given, "encoders", lambda name, entry: _RING in name and entry["bore_mm"] == bearing["bore_mm"])
     )
-    return given.first("drive.drum_encoder", names, ("boss",))
+    return given.first(at.drive.drum_encoder, names, ("boss",))
 
 
-@rule("drum.tensioner", "the shortest whose sleeve fits the rope and whose stud is strong and long enough", "take_up")
+@rule(at.drum.tensioner, "the shortest whose sleeve fits the rope and whose stud is strong and long enough", "take_up")
 def tensioner(given: TrialKnown) -> Found:
     entries = given.entries("tensioners")
     names = sorted(entries, key=lambda name: entries[name]["stud_length_mm"])
-    led = ("spring_fits",) if given.has("drum.spring") else ()
+    led = ("spring_fits",) if given.has(at.drum.spring) else ()
     # No width of the rim makes the lugs of a whole drum wider.
     lug = ("lug_stress",) if given.whole_drum else ()
-    return given.first("drum.tensioner", names, ("sleeve_fits", "stud_stress", "take_up", *led, *lug))
+    return given.first(at.drum.tensioner, names, ("sleeve_fits", "stud_stress", "take_up", *led, *lug))
 
 
-@rule("input_pulleys.collar_screw", "the smallest whose clamp holds the input's torque", "collar_grip")
+@rule(at.input_pulleys.collar_screw, "the smallest whose clamp holds the input's torque", "collar_grip")
 def collar_screw(given: TrialKnown) -> Found:
     if given.overhung:
         return Found(COLLAR_SCREWS[0], NOT_USED + "set screws hold the pulley")
     # The shaft of a first stage is thick, and the collar round it wide for the screw that holds it.
     wide = ("engagement",) if given.has("first_stage") else ()
-    return given.first("input_pulleys.collar_screw", COLLAR_SCREWS, ("collar_grip", *wide))
+    return given.first(at.input_pulleys.collar_screw, COLLAR_SCREWS, ("collar_grip", *wide))
 
 
 PARTS = (drum_bearing, lower, upper, collar_screw, encoder, drum_encoder, tensioner)

@@ -26,6 +26,7 @@ from mbcdm_cad.checks.run import bounds
 from mbcdm_cad.checks.size import kept_mass_g
 from mbcdm_cad.design.blocks import Design
 from mbcdm_cad.design.drive import Drive, met
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.design.resolve import Catalogue
 from mbcdm_cad.design.rules import every_broken_rule
 from mbcdm_cad.design.sized import Moved, SizedValue, Sizing, SizingError
@@ -58,9 +59,9 @@ BY_ELEMENTS = frozenset({"drum_stress", "frame_windup", "servo_lash"}) | _OWN
 CABLES, FRAME, DRUM, WINDUP = "cables", "frame", "drum: ", "frame_windup"
 # Why a value is raised where the file states no figure.
 PRICE = "stiffness as long as 1 % of mass buys 1 % of compliance"
-_STIFFNESS = "loads.stiffness_Nm_rad"
+_STIFFNESS = at.loads.stiffness_Nm_rad
 # Ease of turning by less preload: shares of what its rule gives, which is twice what keeps the cables taut.
-BACKDRIVE, PRELOAD, _PRELOAD_SHARES = "backdrive", "rope.preload_N", (0.9, 0.8, 0.7, 0.65, 0.6, 0.55, 0.5)
+BACKDRIVE, PRELOAD, _PRELOAD_SHARES = "backdrive", at.rope.preload_N, (0.9, 0.8, 0.7, 0.65, 0.6, 0.55, 0.5)
 
 
 class Size(Protocol):
@@ -146,14 +147,14 @@ _part = partial(Stiffener, grows=2.0, order="diameter_mm")
 # Of a bearing; a part that only one layout has may have one too.
 bearing = partial(Stiffener, most=3.0, grows=2.0, kind="bearings", order="outer_diameter_mm", fits=_no_thinner)
 SHARED: tuple[Stiffener, ...] = (
-    _part("rope.type", (CABLES,), 4.0, kind="ropes", fits=_same_construction, stated=True),
+    _part(at.rope.type, (CABLES,), 4.0, kind="ropes", fits=_same_construction, stated=True),
     Stiffener(PRELOAD, (CABLES,), 2.0, 1.0, stated=True),
-    Stiffener("drum.hub_diameter_mm", (DRUM,), 4.0, 0.5, grows=2.0),
-    Stiffener("drum.web_thickness_mm", ("drum: web",), 6.0),
-    bearing("drum.bearing", ("drum's ",), fits=_has_encoder),
-    bearing("input_pulleys.upper_bearing", ("input pulleys' bearings", "input pulleys, bending"), fits=_has_encoder),
-    bearing("input_pulleys.lower_bearing", ("input pulleys",)),
-    _part("drive.gearhead", ("gearheads",), 3.0, kind="gearheads"),
+    Stiffener(at.drum.hub_diameter_mm, (DRUM,), 4.0, 0.5, grows=2.0),
+    Stiffener(at.drum.web_thickness_mm, ("drum: web",), 6.0),
+    bearing(at.drum.bearing, ("drum's ",), fits=_has_encoder),
+    bearing(at.input_pulleys.upper_bearing, ("input pulleys' bearings", "input pulleys, bending"), fits=_has_encoder),
+    bearing(at.input_pulleys.lower_bearing, ("input pulleys",)),
+    _part(at.drive.gearhead, ("gearheads",), 3.0, kind="gearheads"),
 )
 
 
@@ -197,7 +198,7 @@ def _ends(data: Mapping[str, Any]) -> Iterator[_End]:
     if isinstance(wanted, int | float):
         yield _End(_STIFFNESS, lambda turn, cables: turn * wanted <= 1e6)
     if isinstance(share, int | float):
-        yield _End("loads.structure_share", lambda turn, cables: turn <= share * cables, share=True)
+        yield _End(at.loads.structure_share, lambda turn, cables: turn <= share * cables, share=True)
     if wanted is None and share is None:
         within_g = targets.get("mass_tolerance_g", 10.0)
         yield _End(most_g=mass_g + within_g) if isinstance(mass_g, int | float) else _End()
@@ -357,7 +358,7 @@ class _Run:
         if value.field in self._for_frame:
             driver, how, why = WINDUP, "raised for the frame", WINDUP
         if value.field == PRELOAD and value.value < by_rule:
-            driver, how, why = BACKDRIVE, "lowered to turn easily", "loads.backdrive_Nm"
+            driver, how, why = BACKDRIVE, "lowered to turn easily", at.loads.backdrive_Nm
         text = f"{value.text} ({by_rule}), {how.partition(' ')[0]} for {why}"
         return replace(value, text=text, driver=driver, rests_on={**value.rests_on, **stated}, rounding=how)
 

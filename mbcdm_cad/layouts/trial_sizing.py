@@ -13,14 +13,14 @@ from typing import Any
 
 from mbcdm_cad.checks.comparison import TOLERANCE
 from mbcdm_cad.design import bought
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.design.resolve import Catalogue
 from mbcdm_cad.design.rules import every_broken_rule
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.trial_drives import At, End, Margin, TrialDrives, Way
-from mbcdm_cad.sizing.engine import fill
 from mbcdm_cad.sizing.known import KnownFields, RopeKnown
-from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
+from mbcdm_cad.sizing.rule import Found, Rule, fill, rounded_up
 
 # Largest number of trials of one field: each moves it by the missing margin, so that a few are enough.
 _MOST_TRIALS = 40
@@ -30,33 +30,33 @@ _MOST_IDLE = 8
 # From the fourth pass, values that go up and down are no search for others any more.
 _LEAST_PASSES, _LATE, _MOST_PASSES = 3, 4, 6
 # Fields that are no lengths: a missing margin in mm does not give their next step.
-_RATIOS = ("transmission.input_to_drum",)
+_RATIOS = (at.transmission.input_to_drum,)
 _ON_STEP = 1e-9
 # Bore of the drum's shaft over the bore of its bearings.
-SHAFT_BORE, SHAFT_BORE_SHARE = "drum.shaft_bore_mm", 0.5
+SHAFT_BORE, SHAFT_BORE_SHARE = at.drum.shaft_bore_mm, 0.5
 # A value tried, and margin with its unit by check.
 Trial = tuple[Any, dict[str, Margin]]
 # Parts and sizes of a medium drive, for fields that the first pass does not know yet.
 MIDDLE_SIZE: Mapping[str, Any] = {
-    "drive.encoder": "encoder-20-5",
-    "drive.drum_encoder": "encoder-24-ring",
-    "drum.bearing": "618/8",
-    "drum.web_thickness_mm": 2.0,
-    "drum.shaft_bore_mm": 2.0,
-    "drum.hub_diameter_mm": 20.0,
-    "input_pulleys.lower_bearing": "618/8",
-    "input_pulleys.upper_bearing": "625",
-    "support.motor_shelf_mm": 4.0,
-    "support.bearing_shelf_mm": 6.0,
-    "support.encoder_shelf_mm": 6.0,
-    "support.coupling_space_mm": 15.0,
-    "support.back_y_mm": -60.0,
+    at.drive.encoder: "encoder-20-5",
+    at.drive.drum_encoder: "encoder-24-ring",
+    at.drum.bearing: "618/8",
+    at.drum.web_thickness_mm: 2.0,
+    at.drum.shaft_bore_mm: 2.0,
+    at.drum.hub_diameter_mm: 20.0,
+    at.input_pulleys.lower_bearing: "618/8",
+    at.input_pulleys.upper_bearing: "625",
+    at.support.motor_shelf_mm: 4.0,
+    at.support.bearing_shelf_mm: 6.0,
+    at.support.encoder_shelf_mm: 6.0,
+    at.support.coupling_space_mm: 15.0,
+    at.support.back_y_mm: -60.0,
 }
 # The same of a pulley on the motor's shaft.
 ON_SHAFT: Mapping[str, Any] = {
-    "drive.encoder": bought.NO_ENCODER,
-    "input_pulleys.lower_bearing": bought.NO_BEARING,
-    "input_pulleys.upper_bearing": bought.NO_BEARING,
+    at.drive.encoder: bought.NO_ENCODER,
+    at.input_pulleys.lower_bearing: bought.NO_BEARING,
+    at.input_pulleys.upper_bearing: bought.NO_BEARING,
 }
 
 
@@ -103,19 +103,19 @@ class TrialKnown(RopeKnown):
     @property
     def axial_stiffness_N(self) -> float:
         """EA of the rope, with the modulus of the design, else of the catalogue."""
-        modulus = float(self.get("rope.modulus_GPa", self.rope["modulus_GPa"]))
-        nominal = self.get("rope.modulus_area", self.rope["modulus_area"]) == "nominal"
+        modulus = float(self.get(at.rope.modulus_GPa, self.rope["modulus_GPa"]))
+        nominal = self.get(at.rope.modulus_area, self.rope["modulus_area"]) == "nominal"
         return modulus * 1e3 * (pi / 4 * self.d_mm**2 if nominal else float(self.rope["metallic_area_mm2"]))
 
     @property
     def gearhead(self) -> bought.Gearhead:
         """The gearhead, or the motor's own face."""
-        values = self.entry("gearheads", "drive.gearhead")
-        if self["drive.gearhead"] == bought.NO_GEARHEAD:
+        values = self.entry("gearheads", at.drive.gearhead)
+        if self[at.drive.gearhead] == bought.NO_GEARHEAD:
             return bought.without_gearhead(
-                bought.Motor(name=self["drive.motor"], **self.entry("motors", "drive.motor"))
+                bought.Motor(name=self[at.drive.motor], **self.entry("motors", at.drive.motor))
             )
-        return bought.Gearhead(name=self["drive.gearhead"], **values)
+        return bought.Gearhead(name=self[at.drive.gearhead], **values)
 
     @property
     def servo(self) -> bought.Servo | None:
@@ -126,7 +126,7 @@ class TrialKnown(RopeKnown):
     @property
     def overhung(self) -> bool:
         """Whether the shaft of motor or gearhead alone carries each input pulley."""
-        return bool(self.get("input_pulleys.carried_by") == "motor")
+        return bool(self.get(at.input_pulleys.carried_by) == "motor")
 
     @property
     @abstractmethod
@@ -146,7 +146,7 @@ class TrialKnown(RopeKnown):
     @property
     def input_peak_Nm(self) -> float:
         """Share of one input in the peak torque at the drum, N m."""
-        return float(self["loads.peak_torque_Nm"] / max(1, len(self.get("inputs", ()))))
+        return float(self[at.loads.peak_torque_Nm] / max(1, len(self.get("inputs", ()))))
 
     @property
     def half_torque_N(self) -> float:
@@ -208,7 +208,7 @@ class TrialKnown(RopeKnown):
     def _whole(self, field: str, value: Any) -> dict[str, Any]:
         """The data of a trial. Trials share the blocks in which the field is not, so that no block may be changed."""
         found = _with(self._filled, field.split("."), value)
-        if field == "drum.bearing" and not self.has(SHAFT_BORE):
+        if field == at.drum.bearing and not self.has(SHAFT_BORE):
             # The bore of a shaft follows its bearing: that of a wider one would leave a thinner shaft no wall.
             most = _down(SHAFT_BORE_SHARE * self.entries("bearings")[value]["bore_mm"], 0.5)
             return _with(found, SHAFT_BORE.split("."), min(found["drum"].get("shaft_bore_mm", most), most))
@@ -397,8 +397,10 @@ def repeated(
 
 def _weak_bearing(given: TrialKnown, found: Mapping[str, Any]) -> bool:
     """Whether a drum's bearing that a rule chose does not carry the drive of its pass: the next pass refuses it."""
-    name = found.get("drum.bearing")
-    return name is not None and -inf < given.margins("drum.bearing", name, ("drum_bearings",))["drum_bearings"][0] < 0.0
+    name = found.get(at.drum.bearing)
+    return (
+        name is not None and -inf < given.margins(at.drum.bearing, name, ("drum_bearings",))["drum_bearings"][0] < 0.0
+    )
 
 
 def whole_turns(angle_deg: float) -> int:

@@ -1,10 +1,12 @@
-"""A sizing rule: how one field follows from others, and why."""
+"""Sizing rules: how a field follows from others, and why; and a pass of rules over the data of a design file."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from math import ceil, floor
 from typing import Any
 
+from mbcdm_cad.design.rules import Broken
+from mbcdm_cad.design.sized import Moved, SizedValue, Sizing, SizingError
 from mbcdm_cad.sizing.known import KnownFields
 
 # Tolerance, so that a figure that is already a multiple of its step is not rounded up.
@@ -75,3 +77,36 @@ def constant(field: str, value: Any, text: str, driver: str) -> Rule:
         return value
 
     return Rule(field, text, driver, same)
+
+
+def fill(given: KnownFields, rules: Iterable[Rule], moved: Moved | None = None) -> Sizing:
+    """Fill every open field for which a rule applies; fields of the file do not change.
+
+    ``moved``: by field, a function with which a search changes the value of a rule; later rules use the changed value.
+    """
+    moved = moved or {}
+    records: list[SizedValue] = []
+    for one in rules:
+        if given.has(one.field):
+            continue
+        if not one.applies(given):
+            given.leave_out(one.field)
+            continue
+        given.start()
+        try:
+            found = one.value(given)
+        except (ValueError, ArithmeticError, IndexError) as error:
+            path, why = tuple(one.field.split(".")), f"no rule can fill it here ({error})"
+            raise SizingError(
+                Broken(path, why, "", "", f"state it in the file; its rule gives: {one.text}", may_move=True)
+            ) from None
+        if not isinstance(found, Found):
+            found = Found(found)
+        if one.field in moved:
+            found = Found(moved[one.field](found.value), found.driver, "moved")
+        rests_on = given.read
+        given.put(one.field, found.value)
+        records.append(
+            SizedValue(one.field, found.value, one.text, found.driver or one.driver, rests_on, found.rounding)
+        )
+    return Sizing(given.data, tuple(records))

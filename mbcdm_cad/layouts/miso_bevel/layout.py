@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.checks.design_variables import ALL_RADII, DRUM, SHARED, DesignVariable, by_path, field, lengths, radii
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import Conventions, NoFigureError, dimensions
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun, Support
 from mbcdm_cad.layouts.miso_bevel.pulleys import axle, drum, guide, input_pulley
@@ -35,18 +36,18 @@ def _radii_explicit(drive: BevelDrive) -> bool:
 
 
 # Whether the radii are explicit: what a remedy scales, and what it adds.
-_SHOWN = {True: (ALL_RADII, ""), False: ("transmission.drum_radii_mm", " (the others follow)")}
+_SHOWN = {True: (ALL_RADII, ""), False: (at.transmission.drum_radii_mm, " (the others follow)")}
 VARIABLES: dict[str, DesignVariable] = by_path(
     (
         *SHARED,
-        field("transmission.centre_distance_mm", "centre_distance_mm"),
-        field("transmission.input_setback_mm", "input_setback_mm"),
+        field(at.transmission.centre_distance_mm, "centre_distance_mm"),
+        field(at.transmission.input_setback_mm, "input_setback_mm"),
         radii(ALL_RADII, ("drum_radius_mm", "guide_radius_mm", "input_radius_mm"))._replace(
             shown=lambda drive: _SHOWN[drive.radii_explicit],
-            short=("transmission.drum_radius_mm", lambda drive: drive.cables[0].drum_radius_mm),
+            short=(at.transmission.drum_radius_mm, lambda drive: drive.cables[0].drum_radius_mm),
         ),
-        radii("transmission.input_radii_mm", ("input_radius_mm",))._replace(applies=_radii_explicit),
-        radii("transmission.guide_radii_mm", ("guide_radius_mm",))._replace(applies=_radii_explicit),
+        radii(at.transmission.input_radii_mm, ("input_radius_mm",))._replace(applies=_radii_explicit),
+        radii(at.transmission.guide_radii_mm, ("guide_radius_mm",))._replace(applies=_radii_explicit),
         DesignVariable(
             "transmission.ratios.input_to_guide",
             lambda drive: drive.cables[0].guide_radius_mm / drive.cables[0].input_radius_mm,
@@ -54,14 +55,14 @@ VARIABLES: dict[str, DesignVariable] = by_path(
             applies=lambda drive: not drive.radii_explicit,
             asked=True,
             short=(
-                "transmission.ratio",
+                at.transmission.ratio,
                 lambda drive: drive.cables[0].drum_radius_mm / drive.cables[0].input_radius_mm,
             ),
         ),
-        field("rope.helix_lead_mm", "helix_lead_mm"),
-        field("rope.dead_turns", "dead_turns"),
-        field("clearances.transfer_gap_mm"),
-        field("clearances.land_edge_mm"),
+        field(at.rope.helix_lead_mm, "helix_lead_mm"),
+        field(at.rope.dead_turns, "dead_turns"),
+        field(at.clearances.transfer_gap_mm),
+        field(at.clearances.land_edge_mm),
         *DRUM,
         *lengths("support", Support),
     )

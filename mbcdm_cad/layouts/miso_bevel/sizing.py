@@ -12,6 +12,7 @@ from mbcdm_cad.checks.geometry import CABLE_GAP_MM
 from mbcdm_cad.checks.terminals import TERMINAL_GAP_MM
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
 from mbcdm_cad.design.bought import NO_GEARHEAD
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Freedom, SizingError
 from mbcdm_cad.layouts import common_freedoms, common_rules, head_dims
@@ -40,8 +41,8 @@ from mbcdm_cad.parts.fits import MOUNT_SCREWS
 from mbcdm_cad.sizing.rule import Found, Rule, constant, driver_of, rounded_down, rounded_up, rule
 
 STEPS = 4
-RADII, RATIO, TO_DRUM = "transmission.drum_radii_mm", "transmission.ratio", "transmission.ratios.guide_to_drum"
-DISTANCE, SETBACK = "transmission.centre_distance_mm", "transmission.input_setback_mm"
+RADII, RATIO, TO_DRUM = at.transmission.drum_radii_mm, at.transmission.ratio, "transmission.ratios.guide_to_drum"
+DISTANCE, SETBACK = at.transmission.centre_distance_mm, at.transmission.input_setback_mm
 # What a trial moves in place of radii and ratio: the step from one drum radius to the next, and the guide's step 1.
 STEP, GUIDE = "transmission.step_mm", "transmission.guide_radius_mm"
 # Least guide that a file may have, over the input and over the drum.
@@ -73,14 +74,14 @@ class BevelKnown(TrialKnown):
 
     layout = BevelLayout
     asked = (
-        *("travel.half_angle_deg", "loads.peak_torque_Nm", "rope.type", "rope.preload_N"),
-        *("drive.motor", "drive.gearhead", RADII, TO_DRUM, DISTANCE),
+        *(at.travel.half_angle_deg, at.loads.peak_torque_Nm, at.rope.type, at.rope.preload_N),
+        *(at.drive.motor, at.drive.gearhead, RADII, TO_DRUM, DISTANCE),
     )
     encoder_checks = ("encoder_fit", "hole_webs", "engagement")
     own_checks: Mapping[str, tuple[str, ...]] = {
-        "input_pulleys.lower_bearing": ("bearing_shoulders",),
-        "input_pulleys.upper_bearing": ("bearing_shoulders",),
-        "support.coupling_space_mm": ("screwdriver", "envelope_z"),
+        at.input_pulleys.lower_bearing: ("bearing_shoulders",),
+        at.input_pulleys.upper_bearing: ("bearing_shoulders",),
+        at.support.coupling_space_mm: ("screwdriver", "envelope_z"),
     }
 
     def _whole(self, field: str, value: Any) -> dict[str, Any]:
@@ -98,8 +99,8 @@ class BevelKnown(TrialKnown):
                 beside = block["drum_radii_mm"][-1] * (1.0 / value + 1.0 / self.ratio) + 2.0 * self.d_mm
                 block["centre_distance_mm"] = max(block["centre_distance_mm"], rounded_up(beside, 0.1))
             return super()._whole("transmission", block)
-        if field == "input_pulleys.surface" and not self.has("rope.helix_lead_mm"):
-            fleet = self.get("limits.fleet_angle_grooved_max_deg", 2.0) if value == "grooved" else self.fleet_deg
+        if field == at.input_pulleys.surface and not self.has(at.rope.helix_lead_mm):
+            fleet = self.get(at.limits.fleet_angle_grooved_max_deg, 2.0) if value == "grooved" else self.fleet_deg
             return {
                 **super()._whole(field, value),
                 "rope": {**self._filled["rope"], "helix_lead_mm": self.lead_mm(fleet)},
@@ -121,14 +122,14 @@ class BevelKnown(TrialKnown):
         """Least step of the drum for the walk on the inputs, terminals and lands, as far as they are known, mm."""
         d, drum = self.d_mm, self.filled("drum")
         end = self.entries("tensioners")[drum["tensioner"]]
-        nut, corner = end["nut_across_flats_mm"] / sqrt(3.0), self.entry("materials", "drum.material")
-        pocket = nut + self["clearances.running_mm"] + corner["min_internal_radius_mm"]
+        nut, corner = end["nut_across_flats_mm"] / sqrt(3.0), self.entry("materials", at.drum.material)
+        pocket = nut + self[at.clearances.running_mm] + corner["min_internal_radius_mm"]
         return rounded_up(
             max(
                 d + 2 * (self.walk_mm(self.lead_mm(self.fleet_deg)) + CABLE_GAP_MM),
                 pocket - d / 2 + TERMINAL_GAP_MM,
                 nut + end["swage_diameter_mm"] / 2 + TERMINAL_GAP_MM,
-                to_drum * (d / 2 + self["clearances.land_edge_mm"] + FLANK_GAP_MM),
+                to_drum * (d / 2 + self[at.clearances.land_edge_mm] + FLANK_GAP_MM),
             ),
             0.1,
         )
@@ -138,18 +139,18 @@ class BevelKnown(TrialKnown):
         """Pitch radius of the drum's step 1."""
         if self.has(RADII):
             return float(self[RADII][0])
-        return float(self["transmission.drum_radius_mm"])
+        return float(self[at.transmission.drum_radius_mm])
 
     @property
     def half_torque_N(self) -> float:
         """See the base class; the mean radius is a little larger than the first."""
-        return float(self["loads.peak_torque_Nm"]) * 1e3 / (STEPS * MEAN_OVER_FIRST * self.drum_mm)
+        return float(self[at.loads.peak_torque_Nm]) * 1e3 / (STEPS * MEAN_OVER_FIRST * self.drum_mm)
 
     @property
     def input_peak_Nm(self) -> float:
         """See the base class; the cables of an input, on neighbouring steps, turn it by their preload too."""
         step = self.drum_radii_mm[1] - self.drum_radii_mm[0]
-        return UNEVEN * super().input_peak_Nm + float(self["rope.preload_N"]) * step * 1e-3
+        return UNEVEN * super().input_peak_Nm + float(self[at.rope.preload_N]) * step * 1e-3
 
     @property
     def ratio(self) -> float:
@@ -157,8 +158,8 @@ class BevelKnown(TrialKnown):
         both = [self.get(f"transmission.ratios.{name}") for name in ("input_to_guide", "guide_to_drum")]
         if None not in both:
             return float(both[0] * both[1])
-        if self.has("transmission.input_radii_mm"):
-            return self.drum_mm / float(self["transmission.input_radii_mm"][0])
+        if self.has(at.transmission.input_radii_mm):
+            return self.drum_mm / float(self[at.transmission.input_radii_mm][0])
         return float(self[RATIO])
 
     @property
@@ -169,7 +170,7 @@ class BevelKnown(TrialKnown):
     @property
     def guide_radii_mm(self) -> list[float]:
         """Pitch radii of the guide."""
-        stated = self.get("transmission.guide_radii_mm")
+        stated = self.get(at.transmission.guide_radii_mm)
         return stated or [radius / self[TO_DRUM] for radius in self.drum_radii_mm]
 
     @property
@@ -180,9 +181,9 @@ class BevelKnown(TrialKnown):
     @property
     def fleet_deg(self) -> float:
         """Largest fleet angle on the inputs' surface."""
-        if self.get("input_pulleys.surface") == "grooved":
-            return float(self.get("limits.fleet_angle_grooved_max_deg", 2.0))
-        return float(self["limits.fleet_angle_max_deg"])
+        if self.get(at.input_pulleys.surface) == "grooved":
+            return float(self.get(at.limits.fleet_angle_grooved_max_deg, 2.0))
+        return float(self[at.limits.fleet_angle_max_deg])
 
     def lead_mm(self, fleet_deg: float) -> float:
         """Least lead, mm, at which a straight span that rises by an angle clears its last turn by a rope's diameter.
@@ -200,11 +201,11 @@ class BevelKnown(TrialKnown):
 
     def walk_mm(self, lead_mm: float) -> float:
         """How far a cable walks along its input pulley from the centred drum to the end of travel."""
-        return lead_mm * self.ratio * radians(self["travel.half_angle_deg"]) / (2 * pi)
+        return lead_mm * self.ratio * radians(self[at.travel.half_angle_deg]) / (2 * pi)
 
 
 def _needs_ratios(given: BevelKnown) -> bool:
-    return not given.has("transmission.guide_radii_mm")
+    return not given.has(at.transmission.guide_radii_mm)
 
 
 def _rope(given: BevelKnown) -> Found:
@@ -213,24 +214,24 @@ def _rope(given: BevelKnown) -> Found:
     The cable that bears most has more than its share of the peak torque.
     """
     tension_N, share = (PRELOAD_FACTOR + MOST_UNEVEN) * given.half_torque_N, common_rules.end_share(given, SWAGED_SHARE)
-    needed_N, ropes = given["limits.tension_safety_factor"] * tension_N / share, common_rules.ropes_to_choose(given)
+    needed_N, ropes = given[at.limits.tension_safety_factor] * tension_N / share, common_rules.ropes_to_choose(given)
     strong = next((one for one in ropes if one[2] >= needed_N), ropes[-1])
-    most_mm = 2.0 * given.drum_mm / given.ratio / given.get("limits.bend_ratio_min", common_rules.LEAST_WIRE_RATIO)
+    most_mm = 2.0 * given.drum_mm / given.ratio / given.get(at.limits.bend_ratio_min, common_rules.LEAST_WIRE_RATIO)
     bent = [name for d_mm, name, _ in ropes if d_mm <= most_mm]
     if strong[0] <= most_mm or not bent:
         return Found(strong[1], "tension", "next size of the catalogue")
     return Found(bent[-1], "bend_ratio", "next smaller size of the catalogue")
 
 
-@rule("rope.preload_N", "twice what keeps the cables taut at peak torque, less where the ends hold less", "no_slack")
+@rule(at.rope.preload_N, "twice what keeps the cables taut at peak torque, less where the ends hold less", "no_slack")
 def preload(given: BevelKnown) -> Found:
     usual = taut_preload(given)
     less = [float(f"{usual.value * share:.2g}") for share in PRELOAD_SHARES]
-    found = given.first("rope.preload_N", [usual.value, *less], ("cable_ends", "tension"))
+    found = given.first(at.rope.preload_N, [usual.value, *less], ("cable_ends", "tension"))
     return usual if found.value == usual.value else found
 
 
-@rule("clearances.land_edge_mm", "a broken edge and the run-out, less for a thin rope or stated steps", "land_edge")
+@rule(at.clearances.land_edge_mm, "a broken edge and the run-out, less for a thin rope or stated steps", "land_edge")
 def land_edge(given: BevelKnown) -> Found:
     needs = {"land_edge": EDGE_BREAK_MM + RUN_OUT_MM, "bodies_clear": given.d_mm / 2 - RUN_OUT_MM}
     if given.has(RADII) and (given.has(TO_DRUM) or not _needs_ratios(given)):
@@ -263,12 +264,12 @@ def _too_wide(given: BevelKnown) -> bool:
 def guide_to_drum(given: BevelKnown) -> Found:
     if given.has("transmission.ratios.input_to_guide"):
         return Found(given[RATIO] / given["transmission.ratios.input_to_guide"], RATIO)
-    bend_mm = given["limits.bend_ratio_min"] * given.d_mm / 2
+    bend_mm = given[at.limits.bend_ratio_min] * given.d_mm / 2
     start = max(bend_mm, given.drum_mm * max(LEAST_OVER_INPUT / given.ratio, LEAST_OVER_DRUM))
     # Steps of the drum that are open follow the guide's; a larger guide makes room for stated ones.
     lands = ("land_width",) if given.has(RADII) else ()
     # The drum's steps grow as the guide gets smaller, and with them what their preloads ask of a stated motor.
-    stated = ("motor_torque_back",) if given.has("drive.motor") else ()
+    stated = ("motor_torque_back",) if given.has(at.drive.motor) else ()
     # A guide about as large as the drum leaves no way to the terminals: there the inputs are set back instead.
     behind = () if _too_wide(given) else ("front_wall", "drum_sweep")
     checks = ("guide_wall", "bend_ratio", *behind, "guide_length", *lands, *stated)
@@ -287,7 +288,7 @@ def input_to_guide(given: BevelKnown) -> float:
     return float(round(given[RATIO] / given[TO_DRUM], 9))
 
 
-@rule("input_pulleys.surface", "smooth, or grooved where only grooves allow the fleet angle", "fleet_angle")
+@rule(at.input_pulleys.surface, "smooth, or grooved where only grooves allow the fleet angle", "fleet_angle")
 def surface(given: BevelKnown) -> Found:
     if not given.has(DISTANCE):
         return Found("smooth", "centre distance follows")
@@ -305,43 +306,46 @@ def surface(given: BevelKnown) -> Found:
                 may_move=True,
             )
         )
-    return given.first("input_pulleys.surface", ("smooth", "grooved"), ("fleet_angle",))
+    return given.first(at.input_pulleys.surface, ("smooth", "grooved"), ("fleet_angle",))
 
 
 def _crowded_below(given: BevelKnown) -> bool:
     """Whether the stated centre distance leaves space for motors above only."""
     if not given.has(DISTANCE):
         return False
-    below, above = (given.margins("drive.motor_side", s, ("drives_apart",)) for s in ("below", "above"))
+    below, above = (given.margins(at.drive.motor_side, s, ("drives_apart",)) for s in ("below", "above"))
     return below["drives_apart"][0] < 0.0 <= above["drives_apart"][0]
 
 
 @rule(
-    "drive.motor_side", "above, for the drives have no space beside the drum's bearings", "drives_apart", _crowded_below
+    at.drive.motor_side,
+    "above, for the drives have no space beside the drum's bearings",
+    "drives_apart",
+    _crowded_below,
 )
 def motor_side(given: BevelKnown) -> str:
     return "above"
 
 
 @rule(
-    "rope.helix_lead_mm", "the least at which a span clears the turn before it, also with tolerances", "self_clearance"
+    at.rope.helix_lead_mm, "the least at which a span clears the turn before it, also with tolerances", "self_clearance"
 )
 def lead(given: BevelKnown) -> Found:
     checks = ("self_clearance", "helix_lead", "groove_walls", *given.with_tolerances("self_clearance_stack"))
-    return given.moved("rope.helix_lead_mm", given.lead_mm(given.fleet_deg), 0.01, checks)
+    return given.moved(at.rope.helix_lead_mm, given.lead_mm(given.fleet_deg), 0.01, checks)
 
 
 @rule(DISTANCE, "the shortest span within the fleet angle, with space for pulleys and drives", "fleet_angle")
 def centre_distance(given: BevelKnown) -> Found:
-    span = SPAN_SPARE * given.walk_mm(given["rope.helix_lead_mm"]) / tan(radians(given.fleet_deg))
+    span = SPAN_SPARE * given.walk_mm(given[at.rope.helix_lead_mm]) / tan(radians(given.fleet_deg))
     setback = given.filled("transmission").get("input_setback_mm", 0.0)
     start = max(hypot(given.across_mm, span), given.across_mm + given.d_mm, setback / MOST_SETBACK)
     return given.moved(DISTANCE, start, 0.1, ("centre_distance", "pulley_gap", "fleet_angle", "drives_apart"))
 
 
-@rule("guide.bearing", "the lightest that fits into the guide and carries the cables", "guide_bearings")
+@rule(at.guide.bearing, "the lightest that fits into the guide and carries the cables", "guide_bearings")
 def guide_bearing(given: BevelKnown) -> Found:
-    return given.first("guide.bearing", by_mass(given, "bearings"), ("guide_bearings", "axle_stress", "guide_wall"))
+    return given.first(at.guide.bearing, by_mass(given, "bearings"), ("guide_bearings", "axle_stress", "guide_wall"))
 
 
 def _height(field: str, text: str, driver: str, *checks: str) -> Rule:
@@ -359,57 +363,57 @@ def _usual(given: BevelKnown, usual: tuple[float, float]) -> float:
 
 
 @rule(
-    "support.motor_shelf_mm", "as thick as the gearhead's screws and shaft allow: it carries the drives", "engagement"
+    at.support.motor_shelf_mm, "as thick as the gearhead's screws and shaft allow: it carries the drives", "engagement"
 )
 def motor_shelf(given: BevelKnown) -> Found:
     screw = given.screw(given.gearhead.screw)
     checks = ("engagement", "shaft_grip", "walls", "bought_depth")
-    return given.moved("support.motor_shelf_mm", screw.length_mm - screw.thread_mm, -0.1, checks)
+    return given.moved(at.support.motor_shelf_mm, screw.length_mm - screw.thread_mm, -0.1, checks)
 
 
-@rule("support.side_wall_mm", "walls beside the sunk heads of the top plate's screws", "side_wall")
+@rule(at.support.side_wall_mm, "walls beside the sunk heads of the top plate's screws", "side_wall")
 def side_wall(given: BevelKnown) -> Found:
-    return given.moved("support.side_wall_mm", _usual(given, head_dims.SIDE_MM), 0.1, ("side_wall", "wall_holes"))
+    return given.moved(at.support.side_wall_mm, _usual(given, head_dims.SIDE_MM), 0.1, ("side_wall", "wall_holes"))
 
 
-@rule("support.back_plate_mm", "usual thickness for its material", "walls")
+@rule(at.support.back_plate_mm, "usual thickness for its material", "walls")
 def back_plate(given: BevelKnown) -> Found:
-    found = given.moved("support.back_plate_mm", _usual(given, BACK_MM), 0.1, ("walls", "head_seats"))
-    if not given.has("support.back_y_mm"):
+    found = given.moved(at.support.back_plate_mm, _usual(given, BACK_MM), 0.1, ("walls", "head_seats"))
+    if not given.has(at.support.back_y_mm):
         return found
-    return given.moved("support.back_plate_mm", found.value, -0.1, ("walls", "collar_space", "pocket_depth"))
+    return given.moved(at.support.back_plate_mm, found.value, -0.1, ("walls", "collar_space", "pocket_depth"))
 
 
-@rule("support.rib_mm", "usual thickness, less for the mounting screws", "mounts")
+@rule(at.support.rib_mm, "usual thickness, less for the mounting screws", "mounts")
 def rib(given: BevelKnown) -> Found:
     usual = most = _usual(given, RIB_MM)
     with suppress(NoFigureError, ValueError):
-        trial = given.trial("support.rib_mm", usual)
+        trial = given.trial(at.support.rib_mm, usual)
         assert isinstance(trial, BevelLayout)
         # A thicker rib would leave the column no pocket for a mounting screw's head.
         room = trial.frame.boss.radius - trial.frame.mount_head_radius - HEAD_ROOM_MM
         most = max(room, given.wall_mm("support"))
-    return given.moved("support.rib_mm", min(usual, most), -0.1, ("mounts", "walls"))
+    return given.moved(at.support.rib_mm, min(usual, most), -0.1, ("mounts", "walls"))
 
 
-@rule("drum.sector_half_angle_deg", "travel and the wrap that must remain; larger if a box is stated", "wrap_left")
+@rule(at.drum.sector_half_angle_deg, "travel and the wrap that must remain; larger if a box is stated", "wrap_left")
 def sector(given: BevelKnown) -> Found:
-    box, outer = given.get("targets.envelope_mm"), max(given.drum_radii_mm) - given.d_mm / 2
+    box, outer = given.get(at.targets.envelope_mm), max(given.drum_radii_mm) - given.d_mm / 2
     if box is not None and box[0] < 2 * outer:
         # A wider sector would exceed the box: it takes precedence, and the checks show the effect.
-        return Found(round(degrees(asin(box[0] / 2 / outer)), 1), "targets.envelope_mm", "to 0.1")
-    start = min(given["travel.half_angle_deg"] + head_dims.SECTOR_SPARE_DEG, WIDEST_DEG)
+        return Found(round(degrees(asin(box[0] / 2 / outer)), 1), at.targets.envelope_mm, "to 0.1")
+    start = min(given[at.travel.half_angle_deg] + head_dims.SECTOR_SPARE_DEG, WIDEST_DEG)
     checks = ("wrap_left", "terminal_clears_guide", "stop_slot", "terminal_angles", "terminals_apart")
-    return given.moved("drum.sector_half_angle_deg", start, 0.5, checks)
+    return given.moved(at.drum.sector_half_angle_deg, start, 0.5, checks)
 
 
-@rule("drum.outer_face_y_mm", "least width for lands and terminals", "outer_face")
+@rule(at.drum.outer_face_y_mm, "least width for lands and terminals", "outer_face")
 def outer_face(given: BevelKnown) -> Found:
     checks = (
         *("outermost_land", "land_thickness", "outer_face", "terminals_apart", "lands_intact", "lug_stress"),
         "web_in_rim",
     )
-    return given.moved("drum.outer_face_y_mm", max(given.guide_radii_mm), 0.1, checks)
+    return given.moved(at.drum.outer_face_y_mm, max(given.guide_radii_mm), 0.1, checks)
 
 
 @rule(SETBACK, "the least with which drum and terminals clear the drives", "drum_sweep")
@@ -417,31 +421,31 @@ def setback(given: BevelKnown) -> Found:
     return given.moved(SETBACK, 0.0, 0.1, ("drum_sweep", "front_wall"))
 
 
-@rule("support.back_y_mm", "nearest plane behind drum bearings, pulleys, collars and stop pin", "collar_space")
+@rule(at.support.back_y_mm, "nearest plane behind drum bearings, pulleys, collars and stop pin", "collar_space")
 def back(given: BevelKnown) -> Found:
     checks = (
         *("drum_bearing_spacing", "boss", "pocket_depth", "collar_space", "corner_radii", "drives_apart", "walls"),
         *("mounts", "wall_holes", "head_seats"),
     )
-    return given.moved("support.back_y_mm", -8.0, -0.5, checks)
+    return given.moved(at.support.back_y_mm, -8.0, -0.5, checks)
 
 
-@rule("drum.hub_face_y_mm", "least length for set screws and payload; the front of a stated box", "hub_length")
+@rule(at.drum.hub_face_y_mm, "least length for set screws and payload; the front of a stated box", "hub_length")
 def hub_face(given: BevelKnown) -> Found:
-    box, start = given.get("targets.envelope_mm"), float(given["drum.outer_face_y_mm"])
+    box, start = given.get(at.targets.envelope_mm), float(given[at.drum.outer_face_y_mm])
     if box is not None:
-        start = max(start, box[2] + given["support.back_y_mm"])
-    found = given.moved("drum.hub_face_y_mm", start, 0.1, ("hub_length",))
-    return found if found.driver or box is None else Found(found.value, "targets.envelope_mm", found.rounding)
+        start = max(start, box[2] + given[at.support.back_y_mm])
+    found = given.moved(at.drum.hub_face_y_mm, start, 0.1, ("hub_length",))
+    return found if found.driver or box is None else Found(found.value, at.targets.envelope_mm, found.rounding)
 
 
 @rule(
-    "drum.bearing", "the lightest that carries the drum, or a larger one for a stiffer boss and frame", "drum_bearings"
+    at.drum.bearing, "the lightest that carries the drum, or a larger one for a stiffer boss and frame", "drum_bearings"
 )
 def drum_bearing(given: BevelKnown) -> Found:
     if given.missed_before("boss"):
         entries = given.entries("bearings")
-        wide = entries[given.guesses["drum.bearing"]]["outer_diameter_mm"]
+        wide = entries[given.guesses[at.drum.bearing]]["outer_diameter_mm"]
         given.drives.refused |= {name for name in entries if entries[name]["outer_diameter_mm"] >= wide}
     found: Found = PARTS[0].value(given)
     return found
@@ -460,14 +464,14 @@ def _screws_fit(given: BevelKnown, screws: int) -> bool:
 
 def _crowded(given: BevelKnown) -> bool:
     """Whether the hub for four screws has no room; that of a pass is judged with the other parts of the one before."""
-    stated = given.has("drum.hub_diameter_mm") or given.has("drum.output_circle_mm")
+    stated = given.has(at.drum.hub_diameter_mm) or given.has(at.drum.output_circle_mm)
     if stated or not given.drives.passes:
-        return not stated and given.guesses.get("drum.output_screws", SCREWS) > SCREWS
+        return not stated and given.guesses.get(at.drum.output_screws, SCREWS) > SCREWS
     return not _screws_fit(given, SCREWS)
 
 
 @rule(
-    "drum.output_screws",
+    at.drum.output_screws,
     "more than four, because the hub for four leaves no wall inside the stop pin's slot",
     "stop_slot",
     _crowded,
@@ -488,7 +492,7 @@ _SCREWS_REACHED = ("head_seats", "key_access", "front_wall")
 
 def _turn_helps(given: BevelKnown) -> bool:
     def holds(turn: float) -> bool:
-        margins = given.margins("drive.gearhead_angle_deg", turn, _SCREWS_REACHED, True).values()
+        margins = given.margins(at.drive.gearhead_angle_deg, turn, _SCREWS_REACHED, True).values()
         return min(margin for margin, _ in margins) >= 0.0
 
     none, *turns = _turned(given)
@@ -496,13 +500,13 @@ def _turn_helps(given: BevelKnown) -> bool:
 
 
 @rule(
-    "drive.gearhead_angle_deg",
+    at.drive.gearhead_angle_deg,
     "the least turn with which the heads of the gearheads' screws and their key clear the walls",
     "head_seats",
     _turn_helps,
 )
 def turn(given: BevelKnown) -> Found:
-    return given.first("drive.gearhead_angle_deg", _turned(given), _SCREWS_REACHED)
+    return given.first(at.drive.gearhead_angle_deg, _turned(given), _SCREWS_REACHED)
 
 
 NAMES = (
@@ -511,10 +515,10 @@ NAMES = (
     constant("cables", REFERENCE.cables, "two for each input, on neighbouring steps", "the configuration"),
 )
 OWN = (
-    constant("limits.fleet_angle_max_deg", 1.5, "usual limit for smooth pulleys", "fleet_angle"),
-    constant("rope.dead_turns", 1.0, "one turn that never unwinds; its friction relieves the stop", "dead_turns"),
-    constant("guide.material", "aluminium-7075", "light; the part is turned", "process"),
-    constant("guide.axle_material", "steel", "made from ground bar", "process"),
+    constant(at.limits.fleet_angle_max_deg, 1.5, "usual limit for smooth pulleys", "fleet_angle"),
+    constant(at.rope.dead_turns, 1.0, "one turn that never unwinds; its friction relieves the stop", "dead_turns"),
+    constant(at.guide.material, "aluminium-7075", "light; the part is turned", "process"),
+    constant(at.guide.axle_material, "steel", "made from ground bar", "process"),
 )
 RADII_RULES = (land_edge, common_rules.transfer_gap, guide_to_drum, drum_radii, input_to_guide, surface, lead)
 _SHELF = ("bearing_shelf", "walls", "hole_webs")
@@ -548,8 +552,8 @@ DERIVED = tuple(
 # A larger bearing of the drum has a wider boss, between whose walls the ribs of the column stand.
 _BOSS = ("frame: column", "frame: boss", "drum's ")
 STIFFENERS = (
-    *(replace(one, causes=_BOSS) if one.field == "drum.bearing" else one for one in SHARED),
-    bearing("guide.bearing", ("guide's ",)),
+    *(replace(one, causes=_BOSS) if one.field == at.drum.bearing else one for one in SHARED),
+    bearing(at.guide.bearing, ("guide's ",)),
     *walls("back_plate", "rib", "side_wall"),
 )
 # A setback is changed by adding, since it is often zero: a factor of 2 means this many mm more.
@@ -575,58 +579,60 @@ def _total_ratio(data: Mapping[str, Any]) -> dict[str, Any]:
 # What ``mbcdm solve`` may change besides the derived dimensions.
 FREEDOMS: tuple[Freedom, ...] = (
     *common_freedoms.DRIVE,
-    Freedom("guide.bearing", kind="bearings", order="outer_diameter_mm"),
+    Freedom(at.guide.bearing, kind="bearings", order="outer_diameter_mm"),
     *common_freedoms.INPUTS,
     common_freedoms.SURFACE,
     *common_freedoms.ENCODERS,
     *common_freedoms.METALS,
     Freedom(DISTANCE, 0.7, 2.5),
     Freedom(RADII, 0.8, 2.5, _steps, mends=((ALL_RADII, 1),), instead=common_freedoms.first_radius),
-    Freedom(TO_DRUM, 0.4, 1.5, mends=(("transmission.ratios.input_to_guide", -1), ("transmission.guide_radii_mm", -1))),
-    Freedom("transmission.ratios", instead=_total_ratio),
+    Freedom(
+        TO_DRUM, 0.4, 1.5, mends=(("transmission.ratios.input_to_guide", -1), (at.transmission.guide_radii_mm, -1))
+    ),
+    Freedom(at.transmission.ratios, instead=_total_ratio),
     Freedom(SETBACK, 1.0, 2.0, _further_back),
-    Freedom("drive.motor_side", words=("below", "above")),
+    Freedom(at.drive.motor_side, words=("below", "above")),
 )
 
 
 def _first_guesses(given: BevelKnown) -> dict[str, Any]:
     """Values of a drive of medium size, for fields that the first pass does not know yet."""
     first = given.drum_mm
-    second, direct = 1.5, given.peek("drive.gearhead") == NO_GEARHEAD
+    second, direct = 1.5, given.peek(at.drive.gearhead) == NO_GEARHEAD
     ratios = {"guide_to_drum": float(given.peek(RATIO) or 6.0) / second, "input_to_guide": second}
     return {
-        **{field: value for field, value in MIDDLE_SIZE.items() if field != "support.encoder_shelf_mm"},
+        **{field: value for field, value in MIDDLE_SIZE.items() if field != at.support.encoder_shelf_mm},
         RADII: given.radii_mm(4.0),
-        **({"transmission.ratios": ratios} if _needs_ratios(given) else {}),
+        **({at.transmission.ratios: ratios} if _needs_ratios(given) else {}),
         DISTANCE: max(first, given.get(SETBACK, 0.0) / MOST_SETBACK),
         SETBACK: 0.0,
-        "rope.helix_lead_mm": 1.0,
-        "clearances.land_edge_mm": 0.15,
-        "clearances.transfer_gap_mm": 0.1,
-        "drive.motor": min(given.motors_with_faces()) if direct else "motor-2.9mNm-15",
-        "drive.gearhead": "gearhead-76-16",
-        "guide.bearing": "618/4",
-        "drum.tensioner": "M2",
-        "drum.sector_half_angle_deg": 85.0,
-        "drum.rim_inner_radius_mm": 0.8 * first,
-        "drum.outer_face_y_mm": 25.0,
-        "drum.hub_face_y_mm": 35.0,
-        "support.side_wall_mm": 5.0,
-        "support.back_plate_mm": 5.0,
-        "support.top_plate_mm": 4.0,
-        "support.rib_mm": 6.0,
-        "support.mount_screw": "M3",
-        "support.back_y_mm": -30.0,
+        at.rope.helix_lead_mm: 1.0,
+        at.clearances.land_edge_mm: 0.15,
+        at.clearances.transfer_gap_mm: 0.1,
+        at.drive.motor: min(given.motors_with_faces()) if direct else "motor-2.9mNm-15",
+        at.drive.gearhead: "gearhead-76-16",
+        at.guide.bearing: "618/4",
+        at.drum.tensioner: "M2",
+        at.drum.sector_half_angle_deg: 85.0,
+        at.drum.rim_inner_radius_mm: 0.8 * first,
+        at.drum.outer_face_y_mm: 25.0,
+        at.drum.hub_face_y_mm: 35.0,
+        at.support.side_wall_mm: 5.0,
+        at.support.back_plate_mm: 5.0,
+        at.support.top_plate_mm: 4.0,
+        at.support.rib_mm: 6.0,
+        at.support.mount_screw: "M3",
+        at.support.back_y_mm: -30.0,
     }
 
 
 def _missing(given: BevelKnown) -> Iterator[Broken]:
     yield from common_rules.missing_travel(given, "travel from the centre to each side")
-    if not given.has("loads.peak_torque_Nm"):
-        yield common_rules.needed("loads.peak_torque_Nm", "add peak_torque_Nm: 3.15 (torque to hold both ways, N m)")
-    if not any(given.has(field) for field in (RADII, "transmission.drum_radius_mm")):
+    if not given.has(at.loads.peak_torque_Nm):
+        yield common_rules.needed(at.loads.peak_torque_Nm, "add peak_torque_Nm: 3.15 (torque to hold both ways, N m)")
+    if not any(given.has(field) for field in (RADII, at.transmission.drum_radius_mm)):
         yield common_rules.needed(
-            "transmission.drum_radius_mm", "add drum_radius_mm: 54.0 (drum pitch radius of step 1)"
+            at.transmission.drum_radius_mm, "add drum_radius_mm: 54.0 (drum pitch radius of step 1)"
         )
     explicit = any(given.has(f"transmission.{body}_radii_mm") for body in ("guide", "input"))
     if explicit and not given.has(RADII):
@@ -635,7 +641,7 @@ def _missing(given: BevelKnown) -> Iterator[Broken]:
 
 def _open_ratio(given: BevelKnown) -> str:
     both = given.has(TO_DRUM) and given.has("transmission.ratios.input_to_guide")
-    return "" if given.has(RATIO) or given.has("transmission.input_radii_mm") or both else RATIO
+    return "" if given.has(RATIO) or given.has(at.transmission.input_radii_mm) or both else RATIO
 
 
 size = SizingRules(BevelKnown, (), RULES, STIFFENERS, _first_guesses, _missing, _open_ratio)

@@ -10,6 +10,7 @@ from mbcdm_cad.checks.comparison import Family, Findings, at_most, check, famili
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM
 from mbcdm_cad.checks.size import box_checks, mass_estimate
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.siso_spur.checks import FAMILIES as OF_ONE_INPUT
 from mbcdm_cad.layouts.siso_spur.checks import room, support, winding
@@ -23,7 +24,7 @@ __all__ = ["FAMILIES", "stacks"]
 LARGEST_OVER_MEAN = 1.1
 
 
-_OUT: tuple[Adjustment, ...] = (up("transmission.centre_distance_mm"),)
+_OUT: tuple[Adjustment, ...] = (up(at.transmission.centre_distance_mm),)
 
 
 def load_shares(s: RoundDrumLayout) -> np.ndarray:
@@ -36,8 +37,8 @@ def load_shares(s: RoundDrumLayout) -> np.ndarray:
 @check(
     "Shares of the inputs in the load",
     "model; 1.1: a choice",
-    up("rope.preload_N"),
-    down("loads.peak_torque_Nm"),
+    up(at.rope.preload_N),
+    down(at.loads.peak_torque_Nm),
     advice="leave out preload_N of single entries of cables, so that rope.preload_N is that of all",
     warn=True,
 )
@@ -121,14 +122,14 @@ def _gaps(s: RoundDrumLayout, zones: Callable[[RoundDrumLayout, int], Iterator[Z
                     yield f"{name} from {zone.name}", gap, s.drive.clearances.running_mm
 
 
-@check("Sectors clear the other inputs", "clearances.running_mm", *_OUT)
+@check("Sectors clear the other inputs", at.clearances.running_mm, *_OUT)
 def sectors_clear_inputs(s: RoundDrumLayout) -> Findings:
     """Gap between each sector and the pulleys and encoders of the other inputs."""
     return _gaps(s, _on_axis)
 
 
 @check(
-    "Sectors clear the encoder shelves of the other inputs", "clearances.running_mm", up("drum.hub_face_y_mm"), *_OUT
+    "Sectors clear the encoder shelves of the other inputs", at.clearances.running_mm, up(at.drum.hub_face_y_mm), *_OUT
 )
 def sectors_clear_shelves(s: RoundDrumLayout) -> Findings:
     """Gap between each sector and the encoder shelves of the other inputs."""
@@ -174,7 +175,7 @@ def box_mm(s: RoundDrumLayout) -> tuple[float, float, float]:
     return float(wide), float(high), front - min(v.motor_bottom_z, v.back_y)
 
 
-OF_ALL = (*ROOM, *box_checks(box_mm, "targets.envelope_mm", BOX_ADJUSTMENTS), mass_estimate)
+OF_ALL = (*ROOM, *box_checks(box_mm, at.targets.envelope_mm, BOX_ADJUSTMENTS), mass_estimate)
 
 
 # The checks of several inputs stand before or after those of one: the shares behind the winding, the sectors before

@@ -30,6 +30,7 @@ from mbcdm_cad.checks.transfer import (
     transfer_checks,
     transmission_error,
 )
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.bevel_transfer import wrap_checks
 from mbcdm_cad.layouts.siso_bevel.cable_path import full_input_turn_deg, taken_rad
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
@@ -45,8 +46,8 @@ LEAST_RESERVE_DEG = 15.0
 # The slot changes little with the ratio, so a few iterations are enough.
 _ROUNDS = 30
 _WALL = "material: min_wall_mm"
-_SHELVES: tuple[Adjustment, ...] = (up("support.bearing_shelf_mm"), up("support.encoder_shelf_mm"))
-_DEEPER: tuple[Adjustment, ...] = (down("support.back_y_mm"), down("support.back_plate_mm"))
+_SHELVES: tuple[Adjustment, ...] = (up(at.support.bearing_shelf_mm), up(at.support.encoder_shelf_mm))
+_DEEPER: tuple[Adjustment, ...] = (down(at.support.back_y_mm), down(at.support.back_plate_mm))
 
 
 def _radii_that_agree(s: DirectLayout) -> str:
@@ -101,9 +102,9 @@ def _ratio_that_fits(s: DirectLayout) -> str:
 @check(
     "Wrap on the input stays under a turn",
     "derived: the transfer point stays in its plane; paper section 2.1",
-    down("transmission.input_to_drum"),
-    down("travel.half_angle_deg"),
-    down("transmission.reserve_deg"),
+    down(at.transmission.input_to_drum),
+    down(at.travel.half_angle_deg),
+    down(at.transmission.reserve_deg),
     advice=_ratio_that_fits,
 )
 def input_under_turn(s: DirectLayout) -> Findings:
@@ -117,7 +118,7 @@ def input_under_turn(s: DirectLayout) -> Findings:
         yield at_most(what, full_input_turn_deg(s.drive, c), TURN_DEG, "deg", note)
 
 
-@check("Wrap that stays on the input", "15 deg: estimate", up("transmission.reserve_deg"))
+@check("Wrap that stays on the input", "15 deg: estimate", up(at.transmission.reserve_deg))
 def input_reserve(s: DirectLayout) -> Comparison:
     """Wrap that stays on the input at the unwound end."""
     return at_least("wrap left on the input, all unwound", s.drive.reserve_deg, LEAST_RESERVE_DEG, "deg")
@@ -154,11 +155,11 @@ def stacks(s: DirectLayout) -> Iterator[StackUp]:
 @check(
     "Walls of frame and motor head are thick enough",
     _WALL,
-    up("support.back_plate_mm"),
-    up("support.side_wall_mm"),
-    up("support.motor_shelf_mm"),
+    up(at.support.back_plate_mm),
+    up(at.support.side_wall_mm),
+    up(at.support.motor_shelf_mm),
     *_SHELVES,
-    up("support.rib_mm"),
+    up(at.support.rib_mm),
 )
 def walls(s: DirectLayout) -> Findings:
     """The thinnest wall of frame and motor head, against the minimum of the material."""
@@ -200,7 +201,7 @@ def bearing_seats(s: DirectLayout) -> Findings:
     yield "front wall beside the bearing next to the encoder", v.front_y - s.frame.seat_radius, limit
 
 
-@check("Input pulley turns freely in its box", "clearances.running_mm", *_DEEPER)
+@check("Input pulley turns freely in its box", at.clearances.running_mm, *_DEEPER)
 def pulley_room(s: DirectLayout) -> Findings:
     """Gap of pulley and cables to back plate and side walls, whose corners are rounded."""
     v, f, running = s.levels, s.frame, s.drive.clearances.running_mm
@@ -214,7 +215,7 @@ def pulley_room(s: DirectLayout) -> Findings:
         yield "input pulley, cables on, from the box's side and its corner", gap, running
 
 
-@check("Encoder clears the column", "clearances.running_mm", *_DEEPER, advice="choose a smaller drive.encoder")
+@check("Encoder clears the column", at.clearances.running_mm, *_DEEPER, advice="choose a smaller drive.encoder")
 def encoder_room(s: DirectLayout) -> Findings:
     """Gap of the encoder to the corners of the column's pocket, the back plate and the heads of the mounting screws."""
     v, f, encoder = s.levels, s.frame, s.drive.encoder
@@ -250,8 +251,8 @@ def mounts(s: DirectLayout) -> Findings:
 @check(
     "Motor head is held and located",
     "usual rule: one diameter",
-    up("support.side_wall_mm"),
-    down("support.bearing_shelf_mm"),
+    up(at.support.side_wall_mm),
+    down(at.support.bearing_shelf_mm),
 )
 def flange(s: DirectLayout) -> Findings:
     """Screws and dowels of the motor head are inside the side walls, engage by their diameter, and are apart."""
@@ -274,7 +275,7 @@ def flange(s: DirectLayout) -> Findings:
     yield "heads of the flange screws from the motor head's wall", heads, 0.1
 
 
-@check("Boss takes drum bearings and encoder", _WALL, down("support.back_y_mm"))
+@check("Boss takes drum bearings and encoder", _WALL, down(at.support.back_y_mm))
 def boss(s: DirectLayout) -> Findings:
     """Walls of the boss round both drum bearings and their shoulder, and of its ears round the encoder's screws."""
     f, limit = s.frame, s.drive.frame_material.min_wall_mm
@@ -284,9 +285,9 @@ def boss(s: DirectLayout) -> Findings:
 
 @check(
     "Drum clears motor and gearhead",
-    "clearances.running_mm",
+    at.clearances.running_mm,
     up("all radii of transmission"),
-    down("transmission.input_to_drum"),
+    down(at.transmission.input_to_drum),
 )
 def drum_sweep(s: DirectLayout) -> Findings:
     """Gap of drum and terminals to encoder, motor head, gearhead and motor behind them, where they reach their height.
@@ -332,11 +333,11 @@ def box_mm(s: DirectLayout) -> tuple[float, float, float]:
 
 
 _RADII = up("all radii of transmission")
-_LARGER = (down("transmission.input_to_drum"), down("rope diameter_mm"), _RADII)
+_LARGER = (down(at.transmission.input_to_drum), down("rope diameter_mm"), _RADII)
 _CLOSER = "lower clearances.transfer_gap_mm, or raise clearances.land_edge_mm"
-_X = (down("drum.sector_half_angle_deg"), up("drum.sector_half_angle_deg"))
-_Z = (down("support.coupling_space_mm"), up("support.coupling_space_mm"))
-_Y = (down("drum.hub_face_y_mm"), up("drum.hub_face_y_mm"), up("support.back_y_mm"))
+_X = (down(at.drum.sector_half_angle_deg), up(at.drum.sector_half_angle_deg))
+_Z = (down(at.support.coupling_space_mm), up(at.support.coupling_space_mm))
+_Y = (down(at.drum.hub_face_y_mm), up(at.drum.hub_face_y_mm), up(at.support.back_y_mm))
 # First the checks of the mechanism, then those of the parts.
 FAMILIES = families(
     Family(
@@ -391,7 +392,7 @@ FAMILIES = families(
     fixings,
     Family(
         "Input pulley, its stops and its coupling: bores, walls, and room for the parts on and around it",
-        pulley_checks((up("transmission.input_radii_mm"), down("transmission.input_to_drum"), _RADII)),
+        pulley_checks((up(at.transmission.input_radii_mm), down(at.transmission.input_to_drum), _RADII)),
     ),
     drum_sector,
     structure,
@@ -409,7 +410,7 @@ FAMILIES = families(
             frame_front,
             drum_sweep,
             cables_apart.but(adjust=(_RADII, down("rope diameter_mm"))),
-            *box_checks(box_mm, "targets.envelope_mm", (_X, _Z, _Y)),
+            *box_checks(box_mm, at.targets.envelope_mm, (_X, _Z, _Y)),
             mass_estimate,
         ),
     ),

@@ -4,6 +4,7 @@ from dataclasses import replace
 from functools import cached_property
 
 from mbcdm_cad.checks import design_variables
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import Conventions, dimensions
 from mbcdm_cad.layouts.sector import HeadLayout
 from mbcdm_cad.layouts.siso_bevel.cable_path import longest_mm
@@ -27,13 +28,13 @@ VARIABLES: dict[str, design_variables.DesignVariable] = design_variables.by_path
     (
         *design_variables.SHARED,
         design_variables.radii(design_variables.ALL_RADII, ("drum_radius_mm", "input_radius_mm")),
-        design_variables.radii("transmission.input_radii_mm", ("input_radius_mm",))._replace(
+        design_variables.radii(at.transmission.input_radii_mm, ("input_radius_mm",))._replace(
             applies=lambda d: d.radii_explicit
         ),
         design_variables.INPUT_TO_DRUM,
-        design_variables.DesignVariable("transmission.reserve_deg", lambda drive: drive.reserve_deg, _reserve),
-        design_variables.field("clearances.transfer_gap_mm"),
-        design_variables.field("clearances.land_edge_mm"),
+        design_variables.DesignVariable(at.transmission.reserve_deg, lambda drive: drive.reserve_deg, _reserve),
+        design_variables.field(at.clearances.transfer_gap_mm),
+        design_variables.field(at.clearances.land_edge_mm),
         *design_variables.DRUM,
         *design_variables.lengths("support", ColumnSupport),
     )

@@ -8,6 +8,7 @@ from math import ceil
 from typing import Any
 
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Freedom
 from mbcdm_cad.layouts import common_freedoms, head_dims
@@ -35,15 +36,15 @@ RESERVES_DEG = (RESERVE_DEG, 17.0, 16.0, LEAST_RESERVE_DEG)
 
 
 @rule(
-    "transmission.input_to_drum",
+    at.transmission.input_to_drum,
     "the highest with which travel and reserve fit on one turn of the input",
     "input_under_turn",
-    lambda given: not given.has("transmission.input_radii_mm"),
+    lambda given: not given.has(at.transmission.input_radii_mm),
 )
 def _ratio(given: DirectKnown) -> Found:
     """The highest ratio at which the travel, the reserve and the stop's slot stay within a turn of the input."""
-    field, reserve = "transmission.input_to_drum", given.get("transmission.reserve_deg", RESERVE_DEG)
-    most = (360.0 - reserve - SLOT_DEG) / (2 * given["travel.half_angle_deg"])
+    field, reserve = at.transmission.input_to_drum, given.get(at.transmission.reserve_deg, RESERVE_DEG)
+    most = (360.0 - reserve - SLOT_DEG) / (2 * given[at.travel.half_angle_deg])
     with suppress(ValueError, NoFigureError):
         # The pulley of so high a ratio may be too small for the stop of a thick rope: then the checks alone limit it.
         most = highest_ratio(given.trial_drive(field, 1.0))
@@ -51,57 +52,57 @@ def _ratio(given: DirectKnown) -> Found:
 
 
 @rule(
-    "transmission.reserve_deg",
+    at.transmission.reserve_deg,
     "usual wrap that never unwinds, or less if one turn of the input leaves less",
     "input_reserve",
 )
 def _reserve(given: DirectKnown) -> Found:
-    return given.first("transmission.reserve_deg", RESERVES_DEG, ("input_under_turn",))
+    return given.first(at.transmission.reserve_deg, RESERVES_DEG, ("input_under_turn",))
 
 
-@rule("clearances.land_edge_mm", "a broken edge and the run-out, or less for a thin rope", "land_edge")
+@rule(at.clearances.land_edge_mm, "a broken edge and the run-out, or less for a thin rope", "land_edge")
 def land_edge(given: DirectKnown) -> Found:
     wanted, limit = EDGE_BREAK_MM + RUN_OUT_MM, given.d_mm / 2 - RUN_OUT_MM
     return Found(round(max(min(wanted, limit), EDGE_BREAK_MM), 4), "land_edge")
 
 
-@rule("transmission.drum_radii_mm", "step 1 as stated; step 2 the smallest that the lands allow", "land_width")
+@rule(at.transmission.drum_radii_mm, "step 1 as stated; step 2 the smallest that the lands allow", "land_width")
 def drum_radii(given: DirectKnown) -> Found:
     """The smallest radius of step 2 that the lands at the transfer allow."""
-    first, rise = given["transmission.drum_radius_mm"], 0.1 * given.d_mm * given.ratio
+    first, rise = given[at.transmission.drum_radius_mm], 0.1 * given.d_mm * given.ratio
     pairs = [[first, round(first + (4 + k) * rise, 2)] for k in range(_STEPS_TRIED)]
     checks = ("radii_rise", "land_width", "land_edge", "bodies_clear", "transfer_gap", "stop_pocket_floor")
-    return given.first("transmission.drum_radii_mm", pairs, checks)
+    return given.first(at.transmission.drum_radii_mm, pairs, checks)
 
 
-@rule("support.side_wall_mm", "usual walls, thick enough for the motor head's screws", "flange")
+@rule(at.support.side_wall_mm, "usual walls, thick enough for the motor head's screws", "flange")
 def _side_wall(given: DirectKnown) -> Found:
-    return given.moved("support.side_wall_mm", head_dims.side_wall(given), 0.1, ("flange", "collar_space", "walls"))
+    return given.moved(at.support.side_wall_mm, head_dims.side_wall(given), 0.1, ("flange", "collar_space", "walls"))
 
 
-@rule("support.back_plate_mm", "usual thickness for making it in its material", "walls")
+@rule(at.support.back_plate_mm, "usual thickness for making it in its material", "walls")
 def back_plate(given: DirectKnown) -> float:
     return rounded_up(max(head_dims.either(given, "support", BACK_MM), given.wall_mm("support")), 0.1)
 
 
-@rule("support.rib_mm", "usual thickness, or less for the height of its pockets", "pockets")
+@rule(at.support.rib_mm, "usual thickness, or less for the height of its pockets", "pockets")
 def rib(given: DirectKnown) -> Found:
     """The usual thickness, or less if the pockets of a small drum else have no height."""
     least = given.wall_mm("support")
     usual = max(head_dims.either(given, "support", RIB_MM), least)
     tried = [round(usual - 0.5 * k, 2) for k in range(ceil((usual - least) / 0.5))]
-    return given.first("support.rib_mm", [*tried, least], ("pockets", "mounts"))
+    return given.first(at.support.rib_mm, [*tried, least], ("pockets", "mounts"))
 
 
 @rule(
-    "support.back_y_mm",
+    at.support.back_y_mm,
     "nearest plane with space for the pulley and between the drum's bearings",
     "drum_bearing_spacing",
 )
 def back(given: DirectKnown) -> Found:
     start = -given.drum_mm / given.ratio
     checks = ("drum_bearing_spacing", "boss", "pockets", "pulley_room", "encoder_room")
-    return given.moved("support.back_y_mm", start, -0.5, checks)
+    return given.moved(at.support.back_y_mm, start, -0.5, checks)
 
 
 def _outer_face(given: DirectKnown) -> Found:
@@ -114,7 +115,7 @@ def _outer_face(given: DirectKnown) -> Found:
         "lug_stress",
         "web_in_rim",
     )
-    return given.moved("drum.outer_face_y_mm", given.drum_mm / given.ratio, 0.1, checks)
+    return given.moved(at.drum.outer_face_y_mm, given.drum_mm / given.ratio, 0.1, checks)
 
 
 NAMES = (
@@ -125,7 +126,7 @@ NAMES = (
 RATIO = (_ratio,)
 ROPE = (rope(taut_rope),)
 PRELOAD = (
-    Rule("rope.preload_N", "twice the preload that keeps both cables taut at peak torque", "no_slack", taut_preload),
+    Rule(at.rope.preload_N, "twice the preload that keeps both cables taut at peak torque", "no_slack", taut_preload),
 )
 TRANSFER = (land_edge, transfer_gap, drum_radii)
 RESERVE = (_reserve,)
@@ -146,29 +147,29 @@ class DirectKnown(TrialKnown):
 
     layout = DirectLayout
     asked = (
-        "travel.half_angle_deg",
-        "loads.peak_torque_Nm",
-        "transmission.input_to_drum",
-        "rope.type",
-        "rope.preload_N",
-        "drive.motor",
-        "drive.gearhead",
+        at.travel.half_angle_deg,
+        at.loads.peak_torque_Nm,
+        at.transmission.input_to_drum,
+        at.rope.type,
+        at.rope.preload_N,
+        at.drive.motor,
+        at.drive.gearhead,
     )
-    own_checks: Mapping[str, tuple[str, ...]] = {"input_pulleys.lower_bearing": ("bearing_seats",)}
+    own_checks: Mapping[str, tuple[str, ...]] = {at.input_pulleys.lower_bearing: ("bearing_seats",)}
 
     @property
     def drum_mm(self) -> float:
         """Pitch radius of the drum's step 1."""
-        if self.has("transmission.drum_radii_mm"):
-            return float(self["transmission.drum_radii_mm"][0])
-        return float(self["transmission.drum_radius_mm"])
+        if self.has(at.transmission.drum_radii_mm):
+            return float(self[at.transmission.drum_radii_mm][0])
+        return float(self[at.transmission.drum_radius_mm])
 
     @property
     def ratio(self) -> float:
         """Drum radius over input radius."""
-        if self.has("transmission.input_to_drum"):
-            return float(self["transmission.input_to_drum"])
-        return float(self["transmission.drum_radii_mm"][0] / self["transmission.input_radii_mm"][0])
+        if self.has(at.transmission.input_to_drum):
+            return float(self[at.transmission.input_to_drum])
+        return float(self[at.transmission.drum_radii_mm][0] / self[at.transmission.input_radii_mm][0])
 
     def trial_drive(self, field: str, value: float) -> DirectDrive:
         """The drive of a trial. Raises as :meth:`trial` does."""
@@ -195,7 +196,7 @@ RULES: tuple[Rule, ...] = (
     *DRUM,
     back,
 )
-DERIVED = tuple(rule.field for rule in (*TRANSFER, *FRAME, *DRUM, back) if rule.field != "drum.windows")
+DERIVED = tuple(rule.field for rule in (*TRANSFER, *FRAME, *DRUM, back) if rule.field != at.drum.windows)
 
 
 STIFFENERS = (*SHARED, *walls("back_plate", "rib", "side_wall"))
@@ -204,10 +205,10 @@ STIFFENERS = (*SHARED, *walls("back_plate", "rib", "side_wall"))
 # What ``mbcdm solve`` may change besides the derived dimensions.
 FREEDOMS: tuple[Freedom, ...] = (
     *common_freedoms.PARTS,
-    Freedom("support.mount_screw", words=tuple(MOUNT_SCREWS)),
-    Freedom("transmission.input_to_drum", 0.5, 1.0),
+    Freedom(at.support.mount_screw, words=tuple(MOUNT_SCREWS)),
+    Freedom(at.transmission.input_to_drum, 0.5, 1.0),
     # Only the second radius changes: the first is a requirement.
-    Freedom("transmission.drum_radii_mm", 0.5, 3.0, instead=common_freedoms.first_radius),
+    Freedom(at.transmission.drum_radii_mm, 0.5, 3.0, instead=common_freedoms.first_radius),
 )
 
 
@@ -217,32 +218,32 @@ def _first_guesses(given: DirectKnown) -> dict[str, Any]:
     return {
         **MIDDLE_SIZE,
         # An open ratio is found with the reserve open too: a guess of it would exclude the highest ratios.
-        **({"transmission.reserve_deg": RESERVE_DEG} if given.has("transmission.input_to_drum") else {}),
-        "transmission.drum_radii_mm": [radius_mm, 1.06 * radius_mm],
-        "clearances.land_edge_mm": 0.15,
-        "clearances.transfer_gap_mm": 0.1,
-        "drive.motor": "motor-2.9mNm-15",
-        "drive.gearhead": "gearhead-76-16",
-        "drum.tensioner": "M2",
-        "drum.sector_half_angle_deg": 90.0,
-        "drum.rim_inner_radius_mm": 0.8 * radius_mm,
-        "drum.outer_face_y_mm": 40.0,
-        "drum.hub_face_y_mm": 60.0,
-        "support.side_wall_mm": 5.0,
-        "support.back_plate_mm": 4.0,
-        "support.rib_mm": 5.0,
-        "support.mount_screw": "M3",
+        **({at.transmission.reserve_deg: RESERVE_DEG} if given.has(at.transmission.input_to_drum) else {}),
+        at.transmission.drum_radii_mm: [radius_mm, 1.06 * radius_mm],
+        at.clearances.land_edge_mm: 0.15,
+        at.clearances.transfer_gap_mm: 0.1,
+        at.drive.motor: "motor-2.9mNm-15",
+        at.drive.gearhead: "gearhead-76-16",
+        at.drum.tensioner: "M2",
+        at.drum.sector_half_angle_deg: 90.0,
+        at.drum.rim_inner_radius_mm: 0.8 * radius_mm,
+        at.drum.outer_face_y_mm: 40.0,
+        at.drum.hub_face_y_mm: 60.0,
+        at.support.side_wall_mm: 5.0,
+        at.support.back_plate_mm: 4.0,
+        at.support.rib_mm: 5.0,
+        at.support.mount_screw: "M3",
     }
 
 
 def _missing(given: DirectKnown) -> Iterator[Broken]:
     yield from missing_travel(given, "travel each way from the centred drum")
-    if not given.has("loads.peak_torque_Nm"):
-        yield needed("loads.peak_torque_Nm", "add peak_torque_Nm: 0.98 (torque to hold both ways, N m)")
+    if not given.has(at.loads.peak_torque_Nm):
+        yield needed(at.loads.peak_torque_Nm, "add peak_torque_Nm: 0.98 (torque to hold both ways, N m)")
     if not any(given.has(f"transmission.{name}") for name in ("drum_radii_mm", "drum_radius_mm")):
-        yield needed("transmission.drum_radius_mm", "add drum_radius_mm: 58.0 (drum pitch radius of step 1)")
-    elif given.has("transmission.input_radii_mm") and not given.has("transmission.drum_radii_mm"):
-        yield needed("transmission.drum_radii_mm", "add the drum's radii, because those of the input are given")
+        yield needed(at.transmission.drum_radius_mm, "add drum_radius_mm: 58.0 (drum pitch radius of step 1)")
+    elif given.has(at.transmission.input_radii_mm) and not given.has(at.transmission.drum_radii_mm):
+        yield needed(at.transmission.drum_radii_mm, "add the drum's radii, because those of the input are given")
 
 
 size = SizingRules(DirectKnown, (), RULES, STIFFENERS, _first_guesses, _missing)

@@ -3,9 +3,8 @@
 import pytest
 
 from mbcdm_cad.design.sized import SizingError
-from mbcdm_cad.sizing.engine import fill
 from mbcdm_cad.sizing.known import KnownFields
-from mbcdm_cad.sizing.rule import Found, Rule, constant, largest, rounded_down, rounded_up
+from mbcdm_cad.sizing.rule import Found, Rule, constant, fill, largest, rounded_down, rounded_up
 
 RULES = (
     constant("a.first", 2.0, "always two", "nothing"),

@@ -15,6 +15,7 @@ from mbcdm_cad.checks.comparison import Findings, check
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.size import box_checks, mass_estimate
 from mbcdm_cad.checks.terminals import bodies_of
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.miso_bevel.cable_path import FREE
 from mbcdm_cad.layouts.miso_bevel.checks.support_fits import in_pocket
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
@@ -83,13 +84,13 @@ def ring_gap(ring: geometry.Ring, body: Upright, want: float) -> float:
 @check(
     "Drum clears drives and pulleys",
     "clearances.running_mm; 0.1 mm between turning bodies: estimate",
-    up("transmission.input_setback_mm"),
-    down("transmission.centre_distance_mm"),
-    up("transmission.centre_distance_mm"),
+    up(at.transmission.input_setback_mm),
+    down(at.transmission.centre_distance_mm),
+    up(at.transmission.centre_distance_mm),
     up("all radii of transmission"),
-    up("support.coupling_space_mm"),
-    down("support.coupling_space_mm"),
-    up("drum.rim_inner_radius_mm"),
+    up(at.support.coupling_space_mm),
+    down(at.support.coupling_space_mm),
+    up(at.drum.rim_inner_radius_mm),
 )
 def drum_sweep(s: BevelLayout) -> Findings:
     """Gap from drum, terminals and wound cables to drives and pulleys over the whole travel."""
@@ -102,10 +103,10 @@ def drum_sweep(s: BevelLayout) -> Findings:
 
 @check(
     "Clamp collars turn freely",
-    "clearances.running_mm",
-    up("transmission.centre_distance_mm"),
-    down("support.back_plate_mm"),
-    down("support.back_y_mm"),
+    at.clearances.running_mm,
+    up(at.transmission.centre_distance_mm),
+    down(at.support.back_plate_mm),
+    down(at.support.back_y_mm),
 )
 def collar_space(s: BevelLayout) -> Findings:
     """Gap from the clamp collars to web, side walls, back plate and the mounting screws' heads, or to their boxes."""
@@ -137,8 +138,8 @@ def _free(s: BevelLayout) -> list[tuple[float, np.ndarray]]:
 @check(
     "Free spans clear the terminals",
     "derived; 0.1 mm: estimate",
-    down("travel.half_angle_deg"),
-    up("drum.sector_half_angle_deg"),
+    down(at.travel.half_angle_deg),
+    up(at.drum.sector_half_angle_deg),
     up("all radii of transmission"),
 )
 def spans_clear(s: BevelLayout) -> Findings:
@@ -161,9 +162,9 @@ SWEEPS = (
     collar_space,
     geometry.cables_apart.but(
         adjust=(
-            up("transmission.centre_distance_mm"),
+            up(at.transmission.centre_distance_mm),
             up("all radii of transmission"),
-            down("travel.half_angle_deg"),
+            down(at.travel.half_angle_deg),
             down("rope diameter_mm"),
         )
     ),
@@ -211,15 +212,15 @@ def box_mm(s: BevelLayout) -> tuple[float, float, float]:
 
 _SOURCE = "targets.envelope_mm; paper section 4.1"
 _X: tuple[Adjustment, ...] = (
-    down("drum.sector_half_angle_deg"),
-    up("drum.sector_half_angle_deg"),
-    down("support.side_wall_mm"),
+    down(at.drum.sector_half_angle_deg),
+    up(at.drum.sector_half_angle_deg),
+    down(at.support.side_wall_mm),
 )
 _Z: tuple[Adjustment, ...] = (
-    down("support.coupling_space_mm"),
-    up("support.coupling_space_mm"),
-    down("support.top_plate_mm"),
-    up("support.top_plate_mm"),
+    down(at.support.coupling_space_mm),
+    up(at.support.coupling_space_mm),
+    down(at.support.top_plate_mm),
+    up(at.support.top_plate_mm),
 )
-_Y: tuple[Adjustment, ...] = (down("drum.hub_face_y_mm"), up("drum.hub_face_y_mm"), up("support.back_y_mm"))
+_Y: tuple[Adjustment, ...] = (down(at.drum.hub_face_y_mm), up(at.drum.hub_face_y_mm), up(at.support.back_y_mm))
 ENVELOPE = (*box_checks(box_mm, _SOURCE, (_X, _Z, _Y)), mass_estimate)

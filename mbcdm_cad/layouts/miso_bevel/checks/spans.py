@@ -15,6 +15,7 @@ from mbcdm_cad.checks.geometry import CABLE_GAP_MM
 from mbcdm_cad.checks.input_pulley import dead_turns_check
 from mbcdm_cad.checks.run import rounded
 from mbcdm_cad.checks.transfer import Stacks, TransferStacks, ratio_contributions, stack_check, transmission_error
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.miso_bevel import gap_tolerances as gaps
 from mbcdm_cad.layouts.miso_bevel.cable_path import BLEND_DIAMETERS, fleet_angle_deg, guide_landing_walk_mm, winding
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
@@ -29,13 +30,13 @@ GROOVE_CREST = 0.05
 _NEWTON_STEPS = 6
 
 
-_SHORTER_WALK = (up("transmission.centre_distance_mm"), down("rope.helix_lead_mm"), down("travel.half_angle_deg"))
+_SHORTER_WALK = (up(at.transmission.centre_distance_mm), down(at.rope.helix_lead_mm), down(at.travel.half_angle_deg))
 
 
 @check(
     "Centre distance leaves a free span",
     "paper Eq. (11)",
-    up("transmission.centre_distance_mm"),
+    up(at.transmission.centre_distance_mm),
     down("all radii of transmission"),
     down("rope diameter_mm"),
 )
@@ -57,8 +58,8 @@ def centre_distance(s: BevelLayout) -> Findings:
 
 @check(
     "Guide and input pulleys clear each other",
-    "clearances.running_mm",
-    up("transmission.centre_distance_mm"),
+    at.clearances.running_mm,
+    up(at.transmission.centre_distance_mm),
     down("all radii of transmission"),
 )
 def pulley_gap(s: BevelLayout) -> Findings:
@@ -93,7 +94,7 @@ def fleet_angle(s: BevelLayout) -> Comparison:
 @check(
     "Turns on the input pulley lie side by side",
     "derived: lead > d; grooves: rope makers",
-    up("rope.helix_lead_mm"),
+    up(at.rope.helix_lead_mm),
     down("rope diameter_mm"),
 )
 def helix_lead(s: BevelLayout) -> Comparison:
@@ -140,9 +141,9 @@ def _slant(fall_mm: float, slope: float, radius_mm: float, cosine: float) -> flo
 @check(
     "Free span clears its own last turn",
     "derived: straight span, no credit for the rope's stiffness",
-    up("rope.helix_lead_mm"),
-    up("transmission.centre_distance_mm"),
-    down("travel.half_angle_deg"),
+    up(at.rope.helix_lead_mm),
+    up(at.transmission.centre_distance_mm),
+    down(at.travel.half_angle_deg),
 )
 def self_clearance(s: BevelLayout) -> Findings:
     """Gap between the free span and the turn that was wound just before it, with the cable fully wound on."""
@@ -154,8 +155,8 @@ def self_clearance(s: BevelLayout) -> Findings:
 @check(
     "Axial walk fits the steps of the input pulleys",
     "derived; 0.1 mm: estimate",
-    down("rope.helix_lead_mm"),
-    down("travel.half_angle_deg"),
+    down(at.rope.helix_lead_mm),
+    down(at.travel.half_angle_deg),
     up("all radii of transmission"),
 )
 def input_walk(s: BevelLayout) -> Findings:
@@ -182,8 +183,8 @@ def guide_wall_gaps_mm(s: BevelLayout) -> list[tuple[BevelRun, float]]:
 @check(
     "Landing point's walk fits the steps of the guide",
     "derived; 0.1 mm: estimate",
-    down("rope.helix_lead_mm"),
-    down("travel.half_angle_deg"),
+    down(at.rope.helix_lead_mm),
+    down(at.travel.half_angle_deg),
     up("all radii of transmission"),
 )
 def guide_walk(s: BevelLayout) -> Findings:
@@ -196,7 +197,7 @@ def guide_walk(s: BevelLayout) -> Findings:
     "Every cable wraps the guide",
     "derived from the figure-eight span; a degree: estimate",
     down("all radii of transmission"),
-    up("transmission.centre_distance_mm"),
+    up(at.transmission.centre_distance_mm),
     unit="deg",
 )
 def guide_wrap(s: BevelLayout) -> Findings:
@@ -209,9 +210,9 @@ def guide_wrap(s: BevelLayout) -> Findings:
 @check(
     "Crests between the grooves",
     "0.05 d: estimate",
-    up("rope.helix_lead_mm"),
-    down("rope.helix_lead_mm"),
-    down("travel.half_angle_deg"),
+    up(at.rope.helix_lead_mm),
+    down(at.rope.helix_lead_mm),
+    down(at.travel.half_angle_deg),
 )
 def groove_walls(s: BevelLayout) -> Findings:
     """Width of the crest between neighbouring grooves of an input pulley, and from the last groove to the next step."""
@@ -236,7 +237,7 @@ SPANS = (
     self_clearance,
     input_walk,
     guide_walk,
-    dead_turns_check((up("rope.dead_turns"),)),
+    dead_turns_check((up(at.rope.dead_turns),)),
 )
 
 

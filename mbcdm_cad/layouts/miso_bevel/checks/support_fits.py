@@ -5,6 +5,7 @@ from math import hypot
 from mbcdm_cad.checks.comparison import Findings, at_most, check
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, corner_gap
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.plate_screws import key_gap_mm, plate_screw_of
 from mbcdm_cad.layouts.miso_bevel.stack import band, outward_of
@@ -22,10 +23,10 @@ SCREWS_DRAWN = 2
 @check(
     "Screws engage over their diameter",
     "usual rule: one diameter",
-    down("support.motor_shelf_mm"),
-    down("support.top_plate_mm"),
-    up("support.top_plate_mm"),
-    up("drum.hub_diameter_mm"),
+    down(at.support.motor_shelf_mm),
+    down(at.support.top_plate_mm),
+    up(at.support.top_plate_mm),
+    up(at.drum.hub_diameter_mm),
     advice="choose a drive.gearhead or drive.encoder with longer screws",
 )
 def engagement(s: BevelLayout) -> Findings:
@@ -49,7 +50,7 @@ def engagement(s: BevelLayout) -> Findings:
         yield f"engaged length of the {name} over its diameter", length - screw.thread_mm, 0.0
 
 
-@check("Dowels reach into the frame", "usual rule: one diameter", down("support.top_plate_mm"))
+@check("Dowels reach into the frame", "usual rule: one diameter", down(at.support.top_plate_mm))
 def dowel_engagement(s: BevelLayout) -> Findings:
     """Depth of the dowels in the frame: at least one diameter."""
     yield "dowel in the frame", dowel_length_mm(s.drive) - s.drive.support.top_plate_mm, 2 * s.frame.dowel_radius
@@ -92,7 +93,7 @@ def key_access(s: BevelLayout) -> Findings:
 @check(
     "Gearhead screws' heads on flat floor",
     "derived; 0.02 mm: estimate",
-    up("support.back_plate_mm"),
+    up(at.support.back_plate_mm),
     up("all radii of transmission"),
 )
 def head_seats(s: BevelLayout) -> Findings:
@@ -123,7 +124,7 @@ def _on_box_mm(box: CouplingBox) -> float:
     return min(beside, *(y + box.inner_x for _, y in box.gear_screws), *(box.front_y - y for _, y in box.gear_screws))
 
 
-@check("Input pulleys clear the pocket's corner", "clearances.running_mm", up("support.back_plate_mm"))
+@check("Input pulleys clear the pocket's corner", at.clearances.running_mm, up(at.support.back_plate_mm))
 def pulley_corner(s: BevelLayout) -> Findings:
     """Gap between the input pulleys with their cables and the rounded corner between bearing shelf and side wall."""
     v, f = s.levels, s.frame
@@ -147,9 +148,9 @@ def pulley_corner(s: BevelLayout) -> Findings:
 
 @check(
     "Input pulleys clear the back plate",
-    "clearances.running_mm",
-    down("support.back_plate_mm"),
-    down("support.back_y_mm"),
+    at.clearances.running_mm,
+    down(at.support.back_plate_mm),
+    down(at.support.back_y_mm),
 )
 def pocket_depth(s: BevelLayout) -> Findings:
     """Gap between the input pulleys with their cables and the back plate."""
@@ -162,9 +163,9 @@ def pocket_depth(s: BevelLayout) -> Findings:
 @check(
     "Room for the heads of the mounting screws",
     "M3 head; 0.5 mm: estimate",
-    up("support.coupling_space_mm"),
-    down("support.rib_mm"),
-    up("transmission.centre_distance_mm"),
+    up(at.support.coupling_space_mm),
+    down(at.support.rib_mm),
+    up(at.transmission.centre_distance_mm),
 )
 def mounts(s: BevelLayout) -> Findings:
     """The mounting screws' heads have flat floor in the lower pockets and, for a screw in the column, there too."""
@@ -183,9 +184,9 @@ def mounts(s: BevelLayout) -> Findings:
 
 @check(
     "Drives clear column and each other",
-    "clearances.running_mm",
-    up("transmission.centre_distance_mm"),
-    down("support.back_y_mm"),
+    at.clearances.running_mm,
+    up(at.transmission.centre_distance_mm),
+    down(at.support.back_y_mm),
 )
 def drives_apart(s: BevelLayout) -> Findings:
     """Gaps between gearheads, motors and encoders, and from these to column, boss and drum encoder, or guide axle."""
@@ -229,9 +230,9 @@ def in_pocket(s: BevelLayout, name: str, reach: float) -> Findings:
 
 @check(
     "Plate screws can be reached",
-    "clearances.running_mm",
-    up("support.side_wall_mm"),
-    up("transmission.centre_distance_mm"),
+    at.clearances.running_mm,
+    up(at.support.side_wall_mm),
+    up(at.transmission.centre_distance_mm),
 )
 def screwdriver(s: BevelLayout) -> Findings:
     """Gap between the screwdriver on the plate screws and the encoders or motors on top of the plate."""

@@ -11,6 +11,7 @@ from mbcdm_cad.checks.fixings import STRESS_SAFETY
 from mbcdm_cad.checks.geometry import CABLE_GAP_MM, HOLE_WEB_MM, frame_front, rim_points, wrap_points
 from mbcdm_cad.checks.size import box_checks, mass_estimate
 from mbcdm_cad.checks.terminals import bodies_of
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.siso_spur.drive import MOST_SPREAD, SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.stack import FLANGE_MM, reach_mm
@@ -23,11 +24,11 @@ from mbcdm_cad.parts.motor_head.dims import body_radius_mm
 
 # Points on a full circle of the outline.
 _CORNERS = 72
-_Z: tuple[Adjustment, ...] = (down("transmission.centre_distance_mm"), up("transmission.centre_distance_mm"))
-_APART: tuple[Adjustment, ...] = (up("drum.hub_face_y_mm"), down("drum.outer_face_y_mm"))
+_Z: tuple[Adjustment, ...] = (down(at.transmission.centre_distance_mm), up(at.transmission.centre_distance_mm))
+_APART: tuple[Adjustment, ...] = (up(at.drum.hub_face_y_mm), down(at.drum.outer_face_y_mm))
 
 
-@check("Drum and input clear each other", "clearances.running_mm", *_Z[1:])
+@check("Drum and input clear each other", at.clearances.running_mm, *_Z[1:])
 def drum_and_input(s: SpurLayout) -> Findings:
     """Gap between rim and pulley with their cables, and between the rim and the encoder, below or beside it."""
     drive, pulley, running = s.drive, s.inputs[0], s.drive.clearances.running_mm
@@ -44,9 +45,9 @@ def drum_and_input(s: SpurLayout) -> Findings:
 
 @check(
     "Motor clears the drum's boss and encoder",
-    "clearances.running_mm",
-    up("transmission.centre_distance_mm"),
-    up("support.coupling_space_mm"),
+    at.clearances.running_mm,
+    up(at.transmission.centre_distance_mm),
+    up(at.support.coupling_space_mm),
 )
 def bodies_behind(s: SpurLayout) -> Findings:
     """Gap between motor or gearhead and the parts of the drum behind the plate: boss and encoder."""
@@ -112,7 +113,7 @@ def is_parallel(drive: SpurDrive) -> bool:
     return drive.parallel > 1
 
 
-@_sectors_check("Gap between sectors on the shaft", "clearances.running_mm", *_APART)
+@_sectors_check("Gap between sectors on the shaft", at.clearances.running_mm, *_APART)
 def sectors_apart(s: SpurLayout) -> Findings:
     """Rims, terminals and the stop pin of a sector stay behind the rim of the next.
 
@@ -134,8 +135,8 @@ def sectors_apart(s: SpurLayout) -> Findings:
 @_sectors_check(
     "Stress in the dowels between the hubs",
     "material: yield_MPa; 1.5: usual rule",
-    down("loads.peak_torque_Nm"),
-    up("drum.hub_diameter_mm"),
+    down(at.loads.peak_torque_Nm),
+    up(at.drum.hub_diameter_mm),
     unit="times",
 )
 def hub_dowels(s: SpurLayout) -> Findings:
@@ -154,7 +155,9 @@ def hub_dowels(s: SpurLayout) -> Findings:
     )
 
 
-@_sectors_check("Walls round the dowels in the hub", "usual rule", up("drum.hub_diameter_mm"), up("drum.hub_face_y_mm"))
+@_sectors_check(
+    "Walls round the dowels in the hub", "usual rule", up(at.drum.hub_diameter_mm), up(at.drum.hub_face_y_mm)
+)
 def dowel_holes(s: SpurLayout) -> Findings:
     """Walls from the dowels' holes to bore, rim of the hub, payload's threads and set screws.
 
@@ -180,7 +183,7 @@ def dowel_holes(s: SpurLayout) -> Findings:
 @check(
     "Parallel cables share the load",
     "model: EA, length, pitch of the stud, fits of the lands; a quarter of a flat: estimate",
-    up("rope.preload_N"),
+    up(at.rope.preload_N),
     advice="a drum.spring under the nuts, a longer span, less travel or less ratio lower it",
     applies=is_parallel,
     warn=True,
@@ -199,8 +202,8 @@ def parallel_spread(s: SpurLayout) -> Comparison:
     )
 
 
-_X: tuple[Adjustment, ...] = (down("drum.sector_half_angle_deg"), up("drum.sector_half_angle_deg"))
-_Y: tuple[Adjustment, ...] = (down("support.coupling_space_mm"), up("support.coupling_space_mm"))
+_X: tuple[Adjustment, ...] = (down(at.drum.sector_half_angle_deg), up(at.drum.sector_half_angle_deg))
+_Y: tuple[Adjustment, ...] = (down(at.support.coupling_space_mm), up(at.support.coupling_space_mm))
 BOX_ADJUSTMENTS = (_X, _Z, _Y)
 ROOM = (frame_front, drum_and_input, bodies_behind)
 DOWELS = (hub_dowels, dowel_holes)
@@ -209,6 +212,6 @@ CHECKS = (
     sectors_apart,
     *DOWELS,
     parallel_spread,
-    *box_checks(box_mm, "targets.envelope_mm", BOX_ADJUSTMENTS),
+    *box_checks(box_mm, at.targets.envelope_mm, BOX_ADJUSTMENTS),
     mass_estimate,
 )

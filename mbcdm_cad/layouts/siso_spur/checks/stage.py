@@ -13,6 +13,7 @@ from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.fixings import FRICTION, SLIP_SAFETY, STRESS_SAFETY, round_shaft_MPa, stalled_Nm
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, drum_zones
 from mbcdm_cad.checks.run import Budget, remedy, rounded
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.design.stage import SERVICE, TEETH_IN_MESH, WHEEL_WALL_MM
 from mbcdm_cad.layouts.siso_spur.first_stage import shaft_urad_Nm
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
@@ -229,8 +230,8 @@ NOT_OF_A_FIRST = (
 @_end_check(
     "Drum's shaft carries the output torque",
     "material: yield_MPa",
-    down("drum.shaft_bore_mm"),
-    down("loads.peak_torque_Nm"),
+    down(at.drum.shaft_bore_mm),
+    down(at.loads.peak_torque_Nm),
     advice="choose a drum.bearing of larger bore",
 )
 def shaft_end_stress(s: SpurLayout) -> Comparison:
@@ -245,7 +246,7 @@ def shaft_end_stress(s: SpurLayout) -> Comparison:
 @_end_check(
     "Drum's shaft stiff against torsion",
     "the turn of the cables: choice",
-    down("drum.shaft_bore_mm"),
+    down(at.drum.shaft_bore_mm),
     advice="choose a drum.bearing of larger bore, or lower drum.shaft_end_mm",
 )
 def shaft_end_twist(s: SpurLayout) -> Comparison:
@@ -260,7 +261,7 @@ def shaft_end_twist(s: SpurLayout) -> Comparison:
 @_end_check(
     "Hub holds on the drum's shaft",
     "makers of retaining compounds: 15 to 25 MPa, half counted",
-    down("loads.peak_torque_Nm"),
+    down(at.loads.peak_torque_Nm),
     advice="choose a drum.bearing of larger bore, or raise drum.hub_face_y_mm",
 )
 def shaft_end_bond(s: SpurLayout) -> Comparison:
@@ -274,7 +275,7 @@ def shaft_end_bond(s: SpurLayout) -> Comparison:
 @_end_check(
     "Flange of the boss does not slip",
     "friction of tightened screws, as mounting_screws",
-    down("loads.peak_torque_Nm"),
+    down(at.loads.peak_torque_Nm),
     advice="choose a larger drum.bearing, round which the screws stand further out",
 )
 def shaft_end_flange(s: SpurLayout) -> Comparison:
@@ -329,7 +330,7 @@ def _behind(s: SpurLayout, first: SpurLayout) -> Iterator[tuple[str, float]]:
 
 @check(
     "Both stages have room",
-    "clearances.running_mm",
+    at.clearances.running_mm,
     advice="raise first_stage.design.transmission.centre_distance_mm, or choose a smaller motor",
     applies=lambda drive: drive.first_stage is not None,
 )

@@ -9,6 +9,7 @@ from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, web_between
 from mbcdm_cad.checks.motor_head import boss_walls, encoder_shelf
 from mbcdm_cad.design.bought import InsertSpec
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import PRINTED_WINDUP, NoFigureError
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
@@ -25,18 +26,18 @@ OUT_OF_LINE_MRAD = 2.9
 
 
 _WALL = "material: min_wall_mm"
-_SHELVES: tuple[Adjustment, ...] = (up("support.bearing_shelf_mm"), up("support.encoder_shelf_mm"))
+_SHELVES: tuple[Adjustment, ...] = (up(at.support.bearing_shelf_mm), up(at.support.encoder_shelf_mm))
 
 
 @check(
     "Walls of frame and motor head are thick enough",
     _WALL,
-    up("support.plate_mm"),
-    up("support.bridge_mm"),
-    up("support.side_wall_mm"),
-    up("support.motor_shelf_mm"),
+    up(at.support.plate_mm),
+    up(at.support.bridge_mm),
+    up(at.support.side_wall_mm),
+    up(at.support.motor_shelf_mm),
     *_SHELVES,
-    up("transmission.centre_distance_mm"),
+    up(at.transmission.centre_distance_mm),
 )
 def walls(s: SpurLayout) -> Findings:
     """The thinnest wall of frame and motor head, against the minimum of the material."""
@@ -77,7 +78,7 @@ def bearing_seats(s: SpurLayout) -> Findings:
 @check(
     "Input and drum turn freely in the frame",
     "clearances.running_mm; 2 mm: estimate",
-    up("transmission.centre_distance_mm"),
+    up(at.transmission.centre_distance_mm),
 )
 def input_room(s: SpurLayout) -> Findings:
     """Pulley and front bearing fit through the plate, the drum clears the shelf, fingers reach round the pulley."""
@@ -114,9 +115,9 @@ def _wall(insert: InsertSpec | None) -> float:
 @carried_check(
     "Motor head is held and located",
     "usual rule: one diameter",
-    up("support.plate_mm"),
-    down("support.bearing_shelf_mm"),
-    up("support.side_wall_mm"),
+    up(at.support.plate_mm),
+    down(at.support.bearing_shelf_mm),
+    up(at.support.side_wall_mm),
 )
 def flange(s: SpurLayout) -> Findings:
     """Screws and dowels of the motor head engage by their diameter in the plate, with enough metal round them."""
@@ -148,8 +149,8 @@ def flange(s: SpurLayout) -> Findings:
 @check(
     "Mounting threads have metal round them",
     "usual rule: one diameter",
-    up("support.plate_mm"),
-    up("transmission.centre_distance_mm"),
+    up(at.support.plate_mm),
+    up(at.transmission.centre_distance_mm),
 )
 def mounts(s: SpurLayout) -> Findings:
     """Mounting threads are deep enough and clear of boss, motor head, stop pin and the edge of the plate."""
@@ -167,7 +168,7 @@ def mounts(s: SpurLayout) -> Findings:
             yield "mounting thread: stop pin", pin, HOLE_WEB_MM
 
 
-@check("Boss takes drum bearings and encoder", _WALL, down("support.back_y_mm"))
+@check("Boss takes drum bearings and encoder", _WALL, down(at.support.back_y_mm))
 def boss(s: SpurLayout) -> Findings:
     """Boss of the drum's bearings: the metal of the plate round it, its walls, its ears."""
     f = s.frame
@@ -194,8 +195,8 @@ def _asked_of_yoke(drive: SpurDrive) -> bool:
 @check(
     "Input's bearings stay in line",
     "bearing makers: 2 to 10 minutes of arc, six times that in plastic: estimate; folded plates; long yokes only",
-    up("support.bridge_mm"),
-    up("support.plate_mm"),
+    up(at.support.bridge_mm),
+    up(at.support.plate_mm),
     applies=_asked_of_yoke,
     warn=True,
 )

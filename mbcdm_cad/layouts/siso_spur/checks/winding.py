@@ -16,6 +16,7 @@ from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import CABLE_GAP_MM, cables_apart
 from mbcdm_cad.checks.input_pulley import coupling_checks, dead_turns_check, stop_checks
 from mbcdm_cad.checks.ratios import SURFACE_TOLERANCE_MM, anchor_bend, bending_checks, surface_radius
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.siso_spur.cable_path import ON_INPUT
 from mbcdm_cad.layouts.siso_spur.drive import is_anchored
@@ -42,13 +43,13 @@ def cut_at_pitch(s: SpurLayout) -> Findings:
 
 
 WIDER: tuple[Adjustment, ...] = (
-    down("transmission.input_to_drum"),
+    down(at.transmission.input_to_drum),
     down("rope diameter_mm"),
     up("all radii of transmission"),
 )
 _RADII = (surface_radius, cut_at_pitch, *bending_checks(WIDER), anchor_bend.but(adjust=WIDER, applies=is_anchored))
 _STOPS = (
-    dead_turns_check((up("transmission.turns"), down("transmission.input_to_drum"), down("travel.half_angle_deg"))),
+    dead_turns_check((up(at.transmission.turns), down(at.transmission.input_to_drum), down(at.travel.half_angle_deg))),
     *stop_checks(WIDER),
 )
 PULLEY_FITS = (*(check.but(applies=is_anchored) for check in _STOPS), *coupling_checks(WIDER))
@@ -64,14 +65,14 @@ LAND_EDGE_MM = 0.3
 _WOUND = (ON_INPUT[0], "idler")
 
 
-_LESS = (up("rope.preload_N"), down("loads.peak_torque_Nm"))
-_LEAD = (up("rope.helix_lead_mm"), down("rope diameter_mm"))
+_LESS = (up(at.rope.preload_N), down(at.loads.peak_torque_Nm))
+_LEAD = (up(at.rope.helix_lead_mm), down("rope diameter_mm"))
 
 
 @check(
     "Centre distance leaves a free span",
     "paper Eq. (11)",
-    up("transmission.centre_distance_mm"),
+    up(at.transmission.centre_distance_mm),
     down("all radii of transmission"),
 )
 def free_span(s: SpurLayout) -> Comparison:
@@ -141,8 +142,8 @@ def _slip_angles_deg(s: SpurLayout) -> float:
 @_continuous_check(
     "Part of the cable never leaves the input",
     "derived: otherwise the cable creeps on in every cycle",
-    down("travel.half_angle_deg"),
-    up("rope.preload_N"),
+    down(at.travel.half_angle_deg),
+    up(at.rope.preload_N),
     advice=_turns_that_hold,
     warn=True,
 )
@@ -177,7 +178,7 @@ def groove_crest(s: SpurLayout) -> Findings:
 @check(
     "Walk of the cable stays on the input",
     "derived: lead x ratio x travel / 360 deg; 0.3 mm: estimate",
-    down("travel.half_angle_deg"),
+    down(at.travel.half_angle_deg),
 )
 def input_walk(s: SpurLayout) -> Comparison:
     """The walk of both spans stays on the input's land."""
@@ -191,9 +192,9 @@ def input_walk(s: SpurLayout) -> Comparison:
 @_continuous_check(
     "Gap between both sides on the drum",
     "derived: N leads and the spans' slope; 0.1 mm: estimate",
-    up("transmission.turns"),
-    up("transmission.centre_distance_mm"),
-    down("travel.half_angle_deg"),
+    up(at.transmission.turns),
+    up(at.transmission.centre_distance_mm),
+    down(at.travel.half_angle_deg),
 )
 def land_spacing(s: SpurLayout) -> Comparison:
     """Gap along y between the parts of the drum that both sides use over the travel."""
@@ -201,7 +202,7 @@ def land_spacing(s: SpurLayout) -> Comparison:
     return at_least("gap of the two sides on the drum, walk included", gap, CABLE_GAP_MM, "mm")
 
 
-@check("The cable lies within the rim", "clearances.land_edge_mm", up("drum.outer_face_y_mm"))
+@check("The cable lies within the rim", at.clearances.land_edge_mm, up(at.drum.outer_face_y_mm))
 def rim_width(s: SpurLayout) -> Findings:
     """The cable's outermost planes lie inside the rim's faces."""
     lands, edge = s.drum.lands, s.drive.clearances.land_edge_mm
@@ -213,7 +214,7 @@ def rim_width(s: SpurLayout) -> Findings:
 @check(
     "Fleet angle at the input",
     "1.5 deg: rope makers",
-    down("rope.helix_lead_mm"),
+    down(at.rope.helix_lead_mm),
     up("all radii of transmission"),
     advice="set input_pulleys.surface: grooved",
 )
@@ -265,7 +266,7 @@ _WINDING = (
     land_spacing,
     cables_apart.but(
         source="derived: the spans converge; 0.1 mm: estimate",
-        adjust=(down("transmission.centre_distance_mm"),),
+        adjust=(down(at.transmission.centre_distance_mm),),
         applies=is_anchored,
     ),
     rim_width,

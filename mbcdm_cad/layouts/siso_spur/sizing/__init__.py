@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any
 
 from mbcdm_cad.checks.design_variables import ALL_RADII
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Freedom, Moved, Sizing
 from mbcdm_cad.layouts import common_freedoms
@@ -30,7 +31,7 @@ from mbcdm_cad.sizing.rule import Rule
 DERIVED = tuple(
     rule.field
     for rule in (*WINDING, *dims.WIDTH, *dims.FRAME, dims.centre_distance, *dims.DRUM, dims.back)
-    if rule.field not in ("transmission.turns", "drum.windows")
+    if rule.field not in (at.transmission.turns, at.drum.windows)
 )
 
 
@@ -72,10 +73,10 @@ STIFFENERS = (*SHARED, *walls("plate", "bridge", "side_wall"))
 FREEDOMS: tuple[Freedom, ...] = (
     *common_freedoms.PARTS,
     common_freedoms.SURFACE,
-    Freedom("support.mount_screw", words=tuple(MOUNT_BOLTS)),
-    Freedom("transmission.turns", 0.7, 2.0, _whole),
-    Freedom("transmission.drum_radius_mm", 0.7, 2.0, mends=((ALL_RADII, 1),)),
-    Freedom("transmission.input_to_drum", 0.7, 1.5),
+    Freedom(at.support.mount_screw, words=tuple(MOUNT_BOLTS)),
+    Freedom(at.transmission.turns, 0.7, 2.0, _whole),
+    Freedom(at.transmission.drum_radius_mm, 0.7, 2.0, mends=((ALL_RADII, 1),)),
+    Freedom(at.transmission.input_to_drum, 0.7, 1.5),
     Freedom("stage.ratio", 0.5, 2.0),
     Freedom("idlers.bearing", kind="bearings", order="bore_mm"),
 )
@@ -83,39 +84,39 @@ FREEDOMS: tuple[Freedom, ...] = (
 
 def _first_guesses(given: SpurKnown) -> dict[str, Any]:
     """Values of a drive of medium size, for fields that the first pass does not know yet."""
-    radius = float(given.peek("transmission.drum_radius_mm") or 80.0)
+    radius = float(given.peek(at.transmission.drum_radius_mm) or 80.0)
     return {
         **MIDDLE_SIZE,
         **GUESSES.get(str(given.peek("stage.kind")), {}),
         **(ON_SHAFT if given.overhung else {}),
-        "rope.helix_lead_mm": 1.5,
-        "transmission.turns": 5,
-        "transmission.centre_distance_mm": 1.4 * radius,
-        "drum.tensioner": "M3",
-        "drum.sector_half_angle_deg": WHOLE_DEG if given.whole_drum else 110.0,
-        "drum.rim_inner_radius_mm": 0.8 * radius,
-        "drum.outer_face_y_mm": 20.0,
-        "drum.hub_face_y_mm": 30.0,
-        "support.side_wall_mm": 4.0,
-        "support.bridge_mm": 4.0,
-        "support.plate_mm": 8.0,
-        "support.mount_screw": "M3",
+        at.rope.helix_lead_mm: 1.5,
+        at.transmission.turns: 5,
+        at.transmission.centre_distance_mm: 1.4 * radius,
+        at.drum.tensioner: "M3",
+        at.drum.sector_half_angle_deg: WHOLE_DEG if given.whole_drum else 110.0,
+        at.drum.rim_inner_radius_mm: 0.8 * radius,
+        at.drum.outer_face_y_mm: 20.0,
+        at.drum.hub_face_y_mm: 30.0,
+        at.support.side_wall_mm: 4.0,
+        at.support.bridge_mm: 4.0,
+        at.support.plate_mm: 8.0,
+        at.support.mount_screw: "M3",
         **dims.idler_guesses(given, radius),
     }
 
 
 def _missing(given: SpurKnown) -> Iterator[Broken]:
     yield from missing_travel(given, "travel from the centre to each side")
-    if not given.has("loads.peak_torque_Nm"):
-        yield needed("loads.peak_torque_Nm", "add peak_torque_Nm: 2.15 (torque to hold both ways, N m)")
-    if given.has("transmission.input_radius_mm") and not given.has("transmission.drum_radius_mm"):
-        yield needed("transmission.drum_radius_mm", "add drum_radius_mm: 59.4 (drum pitch radius)")
+    if not given.has(at.loads.peak_torque_Nm):
+        yield needed(at.loads.peak_torque_Nm, "add peak_torque_Nm: 2.15 (torque to hold both ways, N m)")
+    if given.has(at.transmission.input_radius_mm) and not given.has(at.transmission.drum_radius_mm):
+        yield needed(at.transmission.drum_radius_mm, "add drum_radius_mm: 59.4 (drum pitch radius)")
 
 
 def _open_ratio(given: SpurKnown) -> str:
     """A ratio with neither a motor from which it follows nor a first stage, with which it follows otherwise."""
-    known = given.has_ratio or given.has("drive.motor") or given.has("first_stage")
-    return "" if known else "transmission.input_to_drum"
+    known = given.has_ratio or given.has(at.drive.motor) or given.has("first_stage")
+    return "" if known else at.transmission.input_to_drum
 
 
 def spur_rules(known: type[SpurKnown], names: tuple[Rule, ...]) -> SizingRules:

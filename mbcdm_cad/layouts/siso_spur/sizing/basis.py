@@ -7,6 +7,7 @@ from typing import Any
 
 from mbcdm_cad.checks.input_pulley import SHOULDER_MM
 from mbcdm_cad.checks.ratios import ANCHOR_RATIO
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import SizingError
 from mbcdm_cad.layouts.common_rules import least_bend_ratio, ropes_to_choose
@@ -57,7 +58,7 @@ def _input_needs_mm(given: SpurKnown, d_mm: float, bend_ratio: float) -> dict[st
 
 
 @rule(
-    "transmission.drum_radius_mm",
+    at.transmission.drum_radius_mm,
     "the ratio times the smallest input for rope and shaft, or more for the stop slot",
     "bend_ratio",
 )
@@ -67,8 +68,8 @@ def drum_radius(given: SpurKnown) -> Found:
     With anchored cables the input must also take their stops. The drum is at least as large as the stop slot needs
     between hub and rim, whose sizes are those of the pass before.
     """
-    field = "transmission.drum_radius_mm"
-    on_input = _input_needs_mm(given, given.d_mm, given["limits.bend_ratio_min"])
+    field = at.transmission.drum_radius_mm
+    on_input = _input_needs_mm(given, given.d_mm, given[at.limits.bend_ratio_min])
     if given.anchored:
         on_input["anchor_bend"] = _stops_mm(given)
     needs = {name: radius * given.ratio for name, radius in on_input.items()}
@@ -84,10 +85,10 @@ def _stops_mm(given: SpurKnown) -> float:
     """The smallest input with the bend radius of a stop and necks larger than the journals."""
     d, end, wall = given.d_mm, given.termination, given.wall_mm("input_pulleys")
     bearings, journals = given.entries("bearings"), []
-    for field in ("input_pulleys.lower_bearing", "input_pulleys.upper_bearing"):
+    for field in (at.input_pulleys.lower_bearing, at.input_pulleys.upper_bearing):
         name = given.get(field, given.guesses[field])
         journals.append(float(bearings[name]["bore_mm"]) / 2 if name in bearings else 0.0)
-    radius = given["limits.bend_ratio_min"] * d / 2
+    radius = given[at.limits.bend_ratio_min] * d / 2
     while (
         2 * widest_bend_mm(d, end, wall, radius) < ANCHOR_RATIO * d
         or neck_mm(d, end, wall, radius) < max(journals) + SHOULDER_MM
@@ -99,7 +100,7 @@ def _stops_mm(given: SpurKnown) -> float:
 def _usual_preload_N(given: SpurKnown, half_torque_N: float) -> float:
     if given.anchored:
         return float(PRELOAD_FACTOR * half_torque_N)
-    margin = given.get("limits.slip_margin_min", SLIP_MARGIN)
+    margin = given.get(at.limits.slip_margin_min, SLIP_MARGIN)
     return float(PRELOAD_SPARE * margin * half_torque_N)
 
 
@@ -111,19 +112,19 @@ def _rope(given: SpurKnown) -> Found:
     """
 
     def tension_N(d_mm: float, preload_share: float = 1.0) -> float:
-        if given.has("transmission.drum_radius_mm"):
+        if given.has(at.transmission.drum_radius_mm):
             share = given.half_torque_N
         else:
-            needs = _input_needs_mm(given, d_mm, given.get("limits.bend_ratio_min") or least_bend_ratio(given))
+            needs = _input_needs_mm(given, d_mm, given.get(at.limits.bend_ratio_min) or least_bend_ratio(given))
             radius = rounded_up(max(needs.values()) * given.ratio, 0.5)
             share = given.input_peak_Nm * 1e3 / (2 * radius * given.parallel)
         usual = preload_share * _usual_preload_N(given, share)
         return usual * (1.0 + given.parallel_spread) + share
 
     found = thinnest_rope_by(given, tension_N)
-    if given.anchored or not given.has("transmission.drum_radius_mm"):
+    if given.anchored or not given.has(at.transmission.drum_radius_mm):
         return found
-    least = given.get("limits.bend_ratio_min") or least_bend_ratio(given)
+    least = given.get(at.limits.bend_ratio_min) or least_bend_ratio(given)
     bending = [rope for rope in ropes_to_choose(given) if rope[0] * least <= 2.0 * given.input_mm]
     if bending and found.value not in [name for _, name, _ in bending]:
         _, thickest, breaking = bending[-1]
@@ -133,7 +134,7 @@ def _rope(given: SpurKnown) -> Found:
 
 
 @rule(
-    "rope.preload_N",
+    at.rope.preload_N,
     "least preload for the slip margin at peak torque; with anchored cables twice the one that keeps them taut",
     "input_slip",
 )
@@ -150,14 +151,14 @@ def _preload(given: SpurKnown) -> Found:
     usual = preload(given, wanted, driver)
     tried = sorted({float(f"{share * usual.value:.2g}") for share in PRELOAD_SHARES}, reverse=True)
     counted = ("motor_torque_forward", "motor_torque_back") if counts_losses(given) else ()
-    easy = () if given.get("loads.backdrive_Nm") is None else ("backdrive",)
+    easy = () if given.get(at.loads.backdrive_Nm) is None else ("backdrive",)
     shaft = ("motor_shaft_load",) if given.overhung else ()
-    found = given.first("rope.preload_N", tried, ("cable_ends", "tension", *counted, *easy, *shaft))
+    found = given.first(at.rope.preload_N, tried, ("cable_ends", "tension", *counted, *easy, *shaft))
     return usual if found.value == usual.value else replace(found, rounding="two digits")
 
 
 @rule(
-    "transmission.turns",
+    at.transmission.turns,
     "least number for the travel, the creep at both ends and the slip margin; anchored: for travel and stop",
     "input_slip",
 )
@@ -167,40 +168,40 @@ def turns(given: SpurKnown) -> Found:
     For two anchored cables, turns for the travel and for the dead turns.
     """
     if given.anchored:
-        start = whole_turns(2 * given["travel.half_angle_deg"] * given.ratio)
-        return given.first("transmission.turns", range(start, start + 3), ("dead_turns", "cable_ends"))
-    tension, share, mu = given["rope.preload_N"], given.half_torque_N, given["rope.friction_coefficient"]
-    travel = 2 * given["travel.half_angle_deg"] * given.ratio
+        start = whole_turns(2 * given[at.travel.half_angle_deg] * given.ratio)
+        return given.first(at.transmission.turns, range(start, start + 3), ("dead_turns", "cable_ends"))
+    tension, share, mu = given[at.rope.preload_N], given.half_torque_N, given[at.rope.friction_coefficient]
+    travel = 2 * given[at.travel.half_angle_deg] * given.ratio
     slack = max(tension - share, 0.05 * tension)
     creeping = degrees(log((tension + share) / slack)) / mu
-    landings = OPEN_LANDINGS_DEG if given.get("transmission.spans") == "open" else LANDINGS_DEG
+    landings = OPEN_LANDINGS_DEG if given.get(at.transmission.spans) == "open" else LANDINGS_DEG
     start = whole_turns(travel + creeping + landings + STICKING_DEG)
     if start > MOST_TURNS:
         what, remedy = "the travel needs too many turns on the input", "lower it, or transmission.input_to_drum"
         half = ("travel", "half_angle_deg")
         raise SizingError(Broken(half, what, f"{start} turns", f"{MOST_TURNS}", remedy))
-    return given.first("transmission.turns", range(start, min(start + 12, MOST_TURNS + 1)), ("input_slip",))
+    return given.first(at.transmission.turns, range(start, min(start + 12, MOST_TURNS + 1)), ("input_slip",))
 
 
-@rule("rope.helix_lead_mm", "the least lead with gaps between turns and crests between grooves", "helix_lead")
+@rule(at.rope.helix_lead_mm, "the least lead with gaps between turns and crests between grooves", "helix_lead")
 def lead(given: SpurKnown) -> Found:
     step = 0.05 if given.d_mm > 0.5 else 0.01
     # Beside a terminal of a whole drum lies the turn before it.
     # Up to it reaches a lug of plastic.
     lug = ("lug_stress",) if given.whole_drum and given.printed("drum") else ()
     checks = ("helix_lead", "groove_crest", "self_clearance", "turns_on_drum", *lug)
-    return given.moved("rope.helix_lead_mm", 1.02 * given.d_mm, step, checks)
+    return given.moved(at.rope.helix_lead_mm, 1.02 * given.d_mm, step, checks)
 
 
-LAND_EDGE = (constant("clearances.land_edge_mm", 0.3, "a broken edge and the run-out of the cutter", "rim_width"),)
+LAND_EDGE = (constant(at.clearances.land_edge_mm, 0.3, "a broken edge and the run-out of the cutter", "rim_width"),)
 NAMES = (constant("inputs", REFERENCE.inputs, "one", "the configuration"), cables)
 RATIO = (
     Rule(
-        "transmission.input_to_drum",
+        at.transmission.input_to_drum,
         "the least with which the motor's continuous torque gives the peak torque",
         "motor_torque_forward",
         needed_ratio,
-        applies=lambda given: not given.has("transmission.input_radius_mm"),
+        applies=lambda given: not given.has(at.transmission.input_radius_mm),
     ),
 )
 ROPE = (rope(_rope),)

@@ -3,6 +3,7 @@
 from math import hypot
 from typing import Any
 
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts import head_dims
 from mbcdm_cad.layouts.head_parts import by_mass
 from mbcdm_cad.layouts.siso_spur.drive import MOUNT_BOLTS
@@ -24,20 +25,20 @@ REACH = 2.0
 _BEARING = "624"
 
 
-@rule("support.plate_mm", "usual thickness, or more for the screws of motor or motor head", "flange")
+@rule(at.support.plate_mm, "usual thickness, or more for the screws of motor or motor head", "flange")
 def plate(given: SpurKnown) -> Found:
     start, check = head_dims.either(given, "support", PLATE_MM), "flange"
     if given.overhung or given.servo is not None:
         check = "motor_seat"
     if given.overhung and given.servo is None:
-        sunk = given["support.motor_shelf_mm"] + given.screw(given.gearhead.screw).head_height_mm
+        sunk = given[at.support.motor_shelf_mm] + given.screw(given.gearhead.screw).head_height_mm
         usual, grip = max(start, sunk), "motor_shaft_grip"
         # The shaft ends soon behind its face.
-        start = usual if given.margins("support.plate_mm", usual, (grip,))[grip][0] >= 0.0 else sunk
-    return given.moved("support.plate_mm", start, 0.1, (check,))
+        start = usual if given.margins(at.support.plate_mm, usual, (grip,))[grip][0] >= 0.0 else sunk
+    return given.moved(at.support.plate_mm, start, 0.1, (check,))
 
 
-@rule("support.bridge_mm", "usual thickness for making it in its material, more where its bearings lean", "walls")
+@rule(at.support.bridge_mm, "usual thickness for making it in its material, more where its bearings lean", "walls")
 def bridge(given: SpurKnown) -> Found:
     usual = head_dims.either(given, "support", BRIDGE_MM)
     if given.overhung:
@@ -45,13 +46,13 @@ def bridge(given: SpurKnown) -> Found:
     start = rounded_up(max(usual, given.wall_mm("support")), 0.5)
     if not given.drives.passes:
         return Found(start)
-    lean = given.moved("support.bridge_mm", start, 0.5, ("bearing_line",))
+    lean = given.moved(at.support.bridge_mm, start, 0.5, ("bearing_line",))
     return lean if lean.value <= MOST_BRIDGE * start else Found(start)
 
 
-@rule("transmission.centre_distance_mm", "the shortest that span, bearings, screws and motor allow", "input_room")
+@rule(at.transmission.centre_distance_mm, "the shortest that span, bearings, screws and motor allow", "input_room")
 def centre_distance(given: SpurKnown) -> Found:
-    start = given["transmission.drum_radius_mm"] + given.input_mm + 2 * given.d_mm
+    start = given[at.transmission.drum_radius_mm] + given.input_mm + 2 * given.d_mm
     if given.has("idlers.places"):
         far = max(place["z_mm"] for place in given["idlers.places"])
         start = max(start, far + 2 * (given.input_mm + given["idlers.radius_mm"]))
@@ -69,19 +70,19 @@ def centre_distance(given: SpurKnown) -> Found:
     come_by = ("terminal_clears_input",) if given.whole_drum else ()
     # The box of a wheel, or of a first stage, reaches far towards the threads of the frame's own screws; so does the
     # motor of a first stage, whose drum is small.
-    wide = given.has("stage.kind") or given.has("first_stage") or given.get("drum.shaft_end_mm", 0.0) > 0.0
+    wide = given.has("stage.kind") or given.has("first_stage") or given.get(at.drum.shaft_end_mm, 0.0) > 0.0
     beside = ("flange",) if wide else ()
-    return given.moved("transmission.centre_distance_mm", start, 0.5, (*checks, *beside, *come_by))
+    return given.moved(at.transmission.centre_distance_mm, start, 0.5, (*checks, *beside, *come_by))
 
 
-@rule("support.back_y_mm", "nearest plane with enough distance between the drum's bearings", "drum_bearing_spacing")
+@rule(at.support.back_y_mm, "nearest plane with enough distance between the drum's bearings", "drum_bearing_spacing")
 def back(given: SpurKnown) -> Found:
-    return given.moved("support.back_y_mm", -10.0, -0.5, ("drum_bearing_spacing", "boss"))
+    return given.moved(at.support.back_y_mm, -10.0, -0.5, ("drum_bearing_spacing", "boss"))
 
 
 def _outer_face(given: SpurKnown) -> Found:
     checks = ("rim_width", "outer_face", "terminals_apart", "lands_intact", "lug_stress", "web_in_rim")
-    return given.moved("drum.outer_face_y_mm", 2.0, 0.1, checks)
+    return given.moved(at.drum.outer_face_y_mm, 2.0, 0.1, checks)
 
 
 def _has_idlers(given: SpurKnown) -> bool:
@@ -116,7 +117,7 @@ def radius(given: SpurKnown) -> Found:
     stated = given.has("idlers.bearing")
     bearing = given.entry("bearings", "idlers.bearing") if stated else given.entries("bearings")[_guessed(given)]
     needs = {
-        "bend_ratio": given["limits.bend_ratio_min"] * given.d_mm / 2,
+        "bend_ratio": given[at.limits.bend_ratio_min] * given.d_mm / 2,
         "life": REVERSE * given.input_mm,
         "idler_bearings": bearing["outer_diameter_mm"] / 2 + WALL_MM + given.d_mm / 2,
     }
@@ -131,9 +132,9 @@ def radius(given: SpurKnown) -> Found:
 )
 def places(given: SpurKnown) -> Found:
     """One pair before the drum: the cables pass between the two, whose flanges leave a gap, and go on to the drum."""
-    running, flange = given["clearances.running_mm"], flange_radius_mm(given["idlers.radius_mm"], given.d_mm)
+    running, flange = given[at.clearances.running_mm], flange_radius_mm(given["idlers.radius_mm"], given.d_mm)
     across = rounded_up(flange + running, 0.1)
-    tensioner = given.entries("tensioners")[given.get("drum.tensioner", given.guesses["drum.tensioner"])]
+    tensioner = given.entries("tensioners")[given.get(at.drum.tensioner, given.guesses[at.drum.tensioner])]
     corner = REACH * tensioner["thread_mm"]
     reach = hypot(given.drum_mm + corner, tensioner["stud_length_mm"])
     apart = reach + flange + running
@@ -164,7 +165,7 @@ def width(given: SpurKnown) -> Found:
 FRAME = (
     head_dims.motor_shelf,
     Rule(
-        "support.side_wall_mm",
+        at.support.side_wall_mm,
         "usual thickness for the stiffness and for making it in its material",
         "walls",
         head_dims.side_wall,

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 from mbcdm_cad.design.bought import Gearhead
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.layouts.siso_spur.drive import MOST_SECTOR_TRAVEL_DEG, PITCH_SPREAD
 from mbcdm_cad.layouts.siso_spur.first_stage import FirstStage, of_data
@@ -16,27 +17,27 @@ class SpurKnown(TrialKnown):
 
     layout: type[Layout] = SpurLayout
     asked: tuple[str, ...] = (
-        "travel.half_angle_deg",
-        "loads.peak_torque_Nm",
-        "transmission.drum_radius_mm",
-        "transmission.input_to_drum",
-        "transmission.parallel",
-        "rope.type",
-        "rope.preload_N",
-        "drive.motor",
-        "drive.gearhead",
+        at.travel.half_angle_deg,
+        at.loads.peak_torque_Nm,
+        at.transmission.drum_radius_mm,
+        at.transmission.input_to_drum,
+        at.transmission.parallel,
+        at.rope.type,
+        at.rope.preload_N,
+        at.drive.motor,
+        at.drive.gearhead,
     )
 
     # The neck between the stop slots of anchored cables can be too small for the shoulder of a bearing that fits it.
     own_checks: Mapping[str, tuple[str, ...]] = {
         # Several sectors on one shaft.
-        "drum.hub_diameter_mm": ("dowel_holes", "hub_dowels"),
-        "input_pulleys.lower_bearing": ("bearing_shoulders",),
-        "input_pulleys.upper_bearing": ("bearing_shoulders",),
+        at.drum.hub_diameter_mm: ("dowel_holes", "hub_dowels"),
+        at.input_pulleys.lower_bearing: ("bearing_shoulders",),
+        at.input_pulleys.upper_bearing: ("bearing_shoulders",),
         # A shaft that stands out as the output.
-        "drum.bearing": ("shaft_end_stress", "shaft_end_twist", "shaft_end_flange"),
-        "drum.shaft_bore_mm": ("shaft_end_stress", "shaft_end_twist"),
-        "drum.hub_face_y_mm": ("shaft_end_bond", "sectors_apart", "dowel_holes"),
+        at.drum.bearing: ("shaft_end_stress", "shaft_end_twist", "shaft_end_flange"),
+        at.drum.shaft_bore_mm: ("shaft_end_stress", "shaft_end_twist"),
+        at.drum.hub_face_y_mm: ("shaft_end_bond", "sectors_apart", "dowel_holes"),
     }
 
     most_sector_travel_deg = MOST_SECTOR_TRAVEL_DEG
@@ -44,8 +45,8 @@ class SpurKnown(TrialKnown):
     @property
     def whole_drum(self) -> bool:
         """Whether the file states a whole drum, or a travel that asks for one."""
-        stated, half = self.peek("drum.sector_half_angle_deg"), self.peek("travel.half_angle_deg")
-        ends = self.peek("travel.from_deg"), self.peek("travel.to_deg")
+        stated, half = self.peek(at.drum.sector_half_angle_deg), self.peek(at.travel.half_angle_deg)
+        ends = self.peek(at.travel.from_deg), self.peek(at.travel.to_deg)
         if stated is not None:
             return bool(stated >= WHOLE_DEG)
         if half is None and None not in ends:
@@ -66,12 +67,12 @@ class SpurKnown(TrialKnown):
     @property
     def anchored(self) -> bool:
         """Whether two cables end on each input."""
-        return bool(self.get("transmission.cables", "continuous") == "two_anchored")
+        return bool(self.get(at.transmission.cables, "continuous") == "two_anchored")
 
     @property
     def parallel(self) -> int:
         """Number of cables side by side."""
-        return int(self.get("transmission.parallel", 1))
+        return int(self.get(at.transmission.parallel, 1))
 
     @property
     def parallel_spread(self) -> float:
@@ -86,21 +87,21 @@ class SpurKnown(TrialKnown):
     @property
     def ratio(self) -> float:
         """Drum radius over input radius."""
-        if self.has("transmission.input_to_drum"):
-            return float(self["transmission.input_to_drum"])
-        return float(self["transmission.drum_radius_mm"] / self["transmission.input_radius_mm"])
+        if self.has(at.transmission.input_to_drum):
+            return float(self[at.transmission.input_to_drum])
+        return float(self[at.transmission.drum_radius_mm] / self[at.transmission.input_radius_mm])
 
     @property
     def has_ratio(self) -> bool:
         """See the base class; if False, the ratio follows from the motor."""
-        return self.has("transmission.input_to_drum") or self.has("transmission.input_radius_mm")
+        return self.has(at.transmission.input_to_drum) or self.has(at.transmission.input_radius_mm)
 
     @property
     def input_mm(self) -> float:
         """Pitch radius of the input."""
-        return float(self["transmission.drum_radius_mm"]) / self.ratio
+        return float(self[at.transmission.drum_radius_mm]) / self.ratio
 
     @property
     def drum_mm(self) -> float:
         """Pitch radius of the drum."""
-        return float(self["transmission.drum_radius_mm"])
+        return float(self[at.transmission.drum_radius_mm])

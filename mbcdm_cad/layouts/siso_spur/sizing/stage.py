@@ -5,6 +5,7 @@ from typing import Any
 
 from mbcdm_cad.design import stage
 from mbcdm_cad.design.bought import NO_GEARHEAD
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.head_basis import counts_losses, gearhead_output_mNm, input_needs_mNm, stage_force_N
 from mbcdm_cad.layouts.siso_spur.checks.stage import RATIO_SHARE, TOOTH_SHARE, lewis_factor
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
@@ -98,7 +99,7 @@ def belt_teeth(given: SpurKnown) -> Found:
     return given.first("stage.belt_teeth", range(shortest, shortest + MORE_BELTS), checks)
 
 
-@rule("drive.gearhead_angle_deg", "turned so that a key reaches its screws beside the belt", "stage_key", _has_belt)
+@rule(at.drive.gearhead_angle_deg, "turned so that a key reaches its screws beside the belt", "stage_key", _has_belt)
 def turn(given: SpurKnown) -> float:
     """One screw between the spans, one beyond the driver, the others beside them."""
     return SCREWS_TURNED_DEG.get(given.gearhead.screw_count, 0.0)
@@ -112,12 +113,12 @@ def turn(given: SpurKnown) -> float:
 )
 def _ratio(given: SpurKnown) -> Found:
     """Of a stated motor and gearhead: the least with which they hold the peak torque; else the usual one."""
-    known = given.has("drive.motor") and given.has_ratio
-    head = given.peek("drive.gearhead")
-    if not known or (head is None and given.peek("drive.motor") not in given.motors_with_faces()):
+    known = given.has(at.drive.motor) and given.has_ratio
+    head = given.peek(at.drive.gearhead)
+    if not known or (head is None and given.peek(at.drive.motor) not in given.motors_with_faces()):
         return Found(stage.USUAL_RATIO, "usual for one pair of wheels")
-    motor = given.entry("motors", "drive.motor")
-    entry = None if head in (None, NO_GEARHEAD) else given.entry("gearheads", "drive.gearhead")
+    motor = given.entry("motors", at.drive.motor)
+    entry = None if head in (None, NO_GEARHEAD) else given.entry("gearheads", at.drive.gearhead)
     passed = stage.EFFICIENCY[given["stage.kind"]] if counts_losses(given) else 1.0
     needed = input_needs_mNm(given) / given.ratio / (gearhead_output_mNm(given, motor, entry) * passed)
     return Found(
