@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.model.equilibrium import CableTensions
     from mbcdm_cad.model.losses import BearingPair, Train
     from mbcdm_cad.model.si import DriveSI
+    from mbcdm_cad.model.structure.causes import Cause
     from mbcdm_cad.model.tensioning import TensioningPlan
     from mbcdm_cad.model.tolerance import StackUp
     from mbcdm_cad.parts.bill import AssemblyStep, Bill, BillBuilder, MovingBody, Placement
@@ -554,6 +555,17 @@ class Attachment:
 
     def add_on_input(self, b: BillBuilder, name: str, turn: Placement) -> None:
         """Adds to the bill what turns with an input, or turns it; ``turn``: of that input about the drum's axis."""
+
+    def add_at_input(self, b: BillBuilder, turn: Placement, mark: str) -> None:
+        """Adds to the bill what stands at an input, its names with ``mark``; ``turn``: as above."""
+
+    def bearings(self, d: DriveSI) -> Iterable[BearingPair]:
+        """Its bearings, whose friction counts."""
+        return ()
+
+    def structure(self, unit_tension_N: NDArray[np.float64]) -> Iterable[Cause]:
+        """Causes of the drum's turn in it, for the tensions of 1 N m on the drum."""
+        return ()
 
     def add_items(self, b: BillBuilder, drum_angle_deg: float) -> None:
         """Adds its parts to the bill."""

@@ -257,6 +257,7 @@ class SectorLayout(Layout):
             yield body_bearings(d, body, "input pulleys' bearings", ends, (lower, upper), input_index=i)
         yield body_bearings(d, routes.drum, "drum's bearings", both, self.drum_bearings_mm, self.preload_spring.force_N)
         yield from self.passed_bearings(d)
+        yield from (pair for each in self.attachments for pair in each.bearings(d))
 
     def passed_bearings(self, d: DriveSI) -> Iterable[BearingPair]:
         """Bearings of the bodies that cables pass."""

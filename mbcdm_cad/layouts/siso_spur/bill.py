@@ -6,16 +6,16 @@ from typing import Any
 from mbcdm_cad.checks.bearings import stage_torque_Nm
 from mbcdm_cad.design.stage import SET_TENSION
 from mbcdm_cad.layouts.assembly import add_drum_bearings, add_stop_pin, steps
+from mbcdm_cad.layouts.siso_spur.idlers import strap_screw
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.siso_spur.overhung import set_screw
-from mbcdm_cad.layouts.siso_spur.support.idlers import SPACER_NOTE, Strap, strap_screw
+from mbcdm_cad.layouts.siso_spur.pulley import set_screw
 from mbcdm_cad.parts.bill import AGAINST_Y, ALONG_Y, AssemblyStep, Bill, BillBuilder, Placement
 from mbcdm_cad.parts.drum_sector import items
 from mbcdm_cad.parts.drum_sector.part import DrumSector
 from mbcdm_cad.parts.input_pulley.items import add_input_pulley
 from mbcdm_cad.parts.motor_head import part
 from mbcdm_cad.parts.motor_head.dims import flange_screw
-from mbcdm_cad.parts.turned import Axle, Dowel, IdlerPulley, Spacer
+from mbcdm_cad.parts.turned import Dowel
 
 
 def _at(x: float, y: float, z: float) -> Placement:
@@ -51,40 +51,6 @@ def _add_fixed_at_input(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: 
     part.add_flange_fixings(b, drive, lay.head, f.flange_insert, stand, mark)
     part.add_input_bearings(b, drive, lay.head, shelf, stand)
     part.add_input_line(b, drive, lay.head, shelf, stand)
-
-
-def _add_idlers(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = "") -> None:
-    """Idlers, if any, with their bearings, which turn with them, axles and spacers, and the straps with their screws.
-
-    ``turn`` and ``mark`` as for the input's fixed items.
-    """
-    drive, ring = lay.drive, lay.drive.material("bearing-steel")
-    for pin in lay.pins:
-        at, spec = drive.idler_places[pin.number], drive.idler_bearing
-        where = turn @ _at(pin.side * at.x_mm, 0.0, at.z_mm)
-        tags = [body.removeprefix("idler_") for body in pin.bodies]
-        pulley, between, metal = IdlerPulley(pin.idlers[0], "Idler"), lay.axle_of(pin, 0), drive.shaft_material
-        b.add(f"idler_axle_{tags[0]}", Axle(between, "Idler axle"), material=metal, place=where @ ALONG_Y)
-        for k, (tag, body, own) in enumerate(zip(tags, pin.bodies, pin.idlers, strict=True)):
-            # Those of one axle are equal, and so are the spacers between them.
-            level, last = _at(0.0, drive.levels_mm[k], 0.0), k == len(tags) - 1
-            b.add(body, pulley, part=pin.bodies[0], material=drive.drum_material, group=body, place=level @ ALONG_Y)
-            b.bearing(f"idler_bearing_rear_{tag}", spec, ring, _at(0.0, own.bottom_z, 0.0) @ ALONG_Y, body)
-            b.bearing(
-                f"idler_bearing_front_{tag}", spec, ring, _at(0.0, own.top_z - spec.width_mm, 0.0) @ ALONG_Y, body
-            )
-            b.add(
-                f"idler_spacer_{tag}",
-                Spacer(lay.axle_of(pin, k) if last else between, "Idler spacer", SPACER_NOTE),
-                part=f"idler_spacer_{tag if last else tags[0]}",
-                material=metal,
-                place=where @ ALONG_Y if last else where @ level @ ALONG_Y,
-            )
-    for n, stand in enumerate(lay.frame.stands, 1):
-        b.add(f"idler_strap{mark}_{n}", Strap(stand), material=drive.frame_material, place=turn)
-        for k, side in enumerate((-1, 1), 1):
-            place = turn @ _at(side * stand.screw_x, stand.strap_front_y, stand.screw_z) @ ALONG_Y
-            b.screw(f"idler_strap_screw{mark}_{n}_{k}", strap_screw(drive), drive.material("steel"), place)
 
 
 def _add_sectors(b: BillBuilder, lay: SpurLayout, turns: list[Placement]) -> None:
@@ -131,7 +97,8 @@ def bill(lay: SpurLayout, drum_angle_deg: float = 0.0) -> Bill:
     for unit, turn, name in inputs:
         mark = f"_{name}" if len(inputs) > 1 else ""
         _add_fixed_at_input(b, unit, turn, mark)
-        _add_idlers(b, unit, turn, mark)
+        for each in unit.attachments:
+            each.add_at_input(b, turn, mark)
     items.add_drum_encoder(b, drive, boss.encoder_pocket_floor_y, boss.screw_circle)
     if len(turns) == 1:
         items.add_drum(b, drive, lay.drum, lay.drum_shaft)

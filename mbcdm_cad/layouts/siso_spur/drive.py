@@ -14,7 +14,7 @@ from mbcdm_cad.design.bought import Bearing
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.fields import ESTIMATE, EntryName, Number, choice, quantity
 from mbcdm_cad.design.sector_blocks import HeadSupport, SectorDrum, WoundPulleys
-from mbcdm_cad.layouts.siso_spur.idlers import SENSE, Circle, IdlerBlock, IdlerPlace, Strand, flange_radius_mm, taut
+from mbcdm_cad.layouts.siso_spur.strand import SENSE, Circle, IdlerBlock, IdlerPlace, Strand, flange_radius_mm, taut
 from mbcdm_cad.parts.drum_sector.design import SectorBearings, SectorDrive, SectorRun
 from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_DEPTH, GROOVE_RADIUS

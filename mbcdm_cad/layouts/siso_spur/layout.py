@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from math import atan2, ceil, degrees, floor, hypot, inf, pi, sqrt
@@ -24,18 +24,14 @@ from mbcdm_cad.checks.design_variables import (
 from mbcdm_cad.checks.fixings import STRESS_SAFETY
 from mbcdm_cad.layouts.base import Conventions, dimensions
 from mbcdm_cad.layouts.sector import HeadLayout
-from mbcdm_cad.layouts.siso_spur.cable_path import cable_paths, longest_mm, side_length_mm
+from mbcdm_cad.layouts.siso_spur.cable_path import cable_paths, longest_mm, routed, side_length_mm
 from mbcdm_cad.layouts.siso_spur.drive import MOST_SPREAD, PITCH_SPREAD, SpurDrive, SpurRun, YokeSupport, laid, spur
 from mbcdm_cad.layouts.siso_spur.first_stage import FirstStageUnit
-from mbcdm_cad.layouts.siso_spur.idlers import IdlerBlock, no_strand
-from mbcdm_cad.layouts.siso_spur.overhung import ServoHorn
-from mbcdm_cad.layouts.siso_spur.pulley import input_pulley
-from mbcdm_cad.layouts.siso_spur.routes import routed
-from mbcdm_cad.layouts.siso_spur.stack import SpurStack, spur_stack
+from mbcdm_cad.layouts.siso_spur.idlers import IdlerPin, Idlers, idlers, pins
+from mbcdm_cad.layouts.siso_spur.pulley import ServoHorn, input_pulley
 from mbcdm_cad.layouts.siso_spur.stage import BeltOrGears
-from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims, flange, yoke
-from mbcdm_cad.layouts.siso_spur.support.idlers import IdlerPin, axle, idlers, pins
-from mbcdm_cad.model.losses import BearingPair, body_bearings
+from mbcdm_cad.layouts.siso_spur.strand import IdlerBlock, no_strand
+from mbcdm_cad.layouts.siso_spur.support.dims import SpurStack, YokeDims, flange, spur_stack, yoke
 from mbcdm_cad.parts.coupling import (
     HUB_EDGE_MM,
     CollarDims,
@@ -53,15 +49,13 @@ from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.making import land_band_mm
 from mbcdm_cad.parts.motor_head.dims import Flange, HeadDims, head
 from mbcdm_cad.parts.terminal import Tensioner, tensioned_rope, terminal_travel_mm
-from mbcdm_cad.parts.turned import AxleDims, DrumShaftDims, IdlerDims
+from mbcdm_cad.parts.turned import DrumShaftDims, IdlerDims
 from mbcdm_cad.routes.curves import CablePath, turned_about_y
 from mbcdm_cad.routes.geometry import RoutedDrive
 
 if TYPE_CHECKING:
     from mbcdm_cad.model.si import DriveSI
-    from mbcdm_cad.model.structure.causes import Cause
     from mbcdm_cad.parts.milled import Milled
-    from mbcdm_cad.routes import Floats
 
 
 # Least turn of a nut that a spanner sets: a quarter of a flat (estimate).
@@ -122,7 +116,7 @@ class SpurLayout(HeadLayout):
     name = "siso_spur"
     title = "one input beside the drum, one cable round it, axes parallel (Fig. 1 a)"
     variables = VARIABLES
-    takes = (BeltOrGears, ServoHorn, FirstStageUnit)
+    takes = (Idlers, BeltOrGears, ServoHorn, FirstStageUnit)
     frame_name = "plate"
     conventions = Conventions(
         frame="Frame: origin on the drum axis (Y), in the middle of the cable; the input stands at +Z; lengths in mm.",
@@ -353,33 +347,6 @@ class SpurLayout(HeadLayout):
     def pins(self) -> tuple[IdlerPin, ...]:
         """The idlers by the axles on which they turn."""
         return tuple(pins(self.idlers))
-
-    def axle_of(self, pin: IdlerPin, index: int) -> AxleDims:
-        """Axle of the idlers, with the spacer before the one with this index."""
-        return axle(self.drive, self.frame.stands[pin.number], self.levels, pin, index)
-
-    def axle_supports_mm(self, number: int) -> tuple[float, float]:
-        """Middles of plate and strap along y, which hold the axles of a pair."""
-        stand, levels = self.frame.stands[number], self.levels
-        return (levels.plate_back_y + levels.front_y) / 2, (stand.strap_back_y + stand.strap_front_y) / 2
-
-    def passed_bearings(self, d: DriveSI) -> Iterable[BearingPair]:
-        """Those in the idlers."""
-        for body, own, _ in self.idlers:
-            spec = self.drive.idler_bearing
-            yield body_bearings(d, d.routes.body(body), "idlers' bearings", (spec, spec), own.bearings_mm)
-
-    def passed_structure(self, unit_tension_N: Floats) -> Iterable[Cause]:
-        """Axles of the idlers between plate and strap, and their bearings."""
-        from mbcdm_cad.layouts.structure import axle_causes, elastic
-        from mbcdm_cad.model.structure.causes import Section
-
-        material = elastic(self.drive.shaft_material)
-        for unit, pin in ((one, each) for one in self.input_units for each in one.pins):
-            supports = unit.axle_supports_mm(pin.number)
-            section = Section(*supports, unit.frame.stands[pin.number].axle_radius)
-            on_it = {body: own.bearings_mm for body, own in zip(pin.bodies, pin.idlers, strict=True)}
-            yield from axle_causes(self, on_it, unit_tension_N, supports, self.drive.idler_bearing, section, material)
 
     def tensioned_lengths_mm(self) -> Sequence[float]:
         """Length that each terminal tensions: half of the one cable, or its own cable."""

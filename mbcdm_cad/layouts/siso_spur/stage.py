@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from mbcdm_cad.layouts.base import Attachment
-from mbcdm_cad.layouts.siso_spur.routes import turned
+from mbcdm_cad.layouts.siso_spur.cable_path import turned
 from mbcdm_cad.parts.bill import ALONG_Y, BillBuilder, MovingBody, Placement
 from mbcdm_cad.parts.coupling import Belt, Wheel, belt_bottom_mm
 

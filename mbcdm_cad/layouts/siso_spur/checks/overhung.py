@@ -10,7 +10,7 @@ from mbcdm_cad.checks.geometry import HOLE_WEB_MM, web_between
 from mbcdm_cad.checks.input_pulley import GRIP_DIAMETERS
 from mbcdm_cad.design.bought import Servo
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.siso_spur.overhung import MotorSeat, hub_radius_mm, set_screw, shaft_end_z_mm
+from mbcdm_cad.layouts.siso_spur.pulley import MotorSeat, hub_radius_mm, set_screw, shaft_end_z_mm
 from mbcdm_cad.layouts.structure import lash_rad, overhung_sag_mm, structure_of
 from mbcdm_cad.parts.fits import clamp_force_N
 

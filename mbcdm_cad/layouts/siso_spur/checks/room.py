@@ -13,9 +13,9 @@ from mbcdm_cad.checks.size import box_checks, mass_estimate
 from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.siso_spur.drive import MOST_SPREAD, SpurDrive
+from mbcdm_cad.layouts.siso_spur.idlers import FLANGE_MM
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.siso_spur.stack import FLANGE_MM, reach_mm
-from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
+from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims, reach_mm
 from mbcdm_cad.parts.bodies import RING_ENCODER_FLATS
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm

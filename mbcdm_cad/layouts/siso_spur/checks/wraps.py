@@ -17,7 +17,7 @@ from mbcdm_cad.checks.transfer import MORE_WRAP, SLIPS, WRAPS, stack_check, tran
 from mbcdm_cad.layouts.siso_spur.checks.winding import turn_distance_mm
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.siso_spur.overhung import hub_radius_mm
+from mbcdm_cad.layouts.siso_spur.pulley import hub_radius_mm
 from mbcdm_cad.model.tolerance import Contribution, StackUp, tightest
 from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
 from mbcdm_cad.parts.drum_sector.sizes import pocket_end_rad

@@ -13,7 +13,7 @@ from mbcdm_cad.design.loader import reference_of
 from mbcdm_cad.design.sector_blocks import Clearances, SectorCable, WoundPulleys
 from mbcdm_cad.layouts.siso_spur.drive import MOST_TURNS, SpurDrum, SpurLimits, YokeSupport
 from mbcdm_cad.layouts.siso_spur.first_stage import FirstStageBlock
-from mbcdm_cad.layouts.siso_spur.idlers import IdlerBlock
+from mbcdm_cad.layouts.siso_spur.strand import IdlerBlock
 
 REFERENCE = reference_of(Path(__file__).parent)
 

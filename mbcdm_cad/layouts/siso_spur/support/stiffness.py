@@ -20,7 +20,7 @@ import numpy as np
 
 from mbcdm_cad.layouts.base import FrameCompliance, FrameStudy
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.siso_spur.overhung import MotorSeat
+from mbcdm_cad.layouts.siso_spur.pulley import MotorSeat
 from mbcdm_cad.layouts.siso_spur.support.parts import motor_seat
 from mbcdm_cad.layouts.structure import elastic, one_input_loads
 from mbcdm_cad.model.plate_mesh import (
@@ -178,7 +178,7 @@ def _idler_forces(
     """What the idlers of each pair put on plate and strap: their forces along z are a couple about y."""
     routes = layout.si.routes
     for n, stand in enumerate(layout.frame.stands, 1):
-        supports = layout.axle_supports_mm(n - 1)
+        supports = stand.supports_mm
         pairs = np.zeros((2, 3))
         couples = np.zeros(2)
         for body, own, (_, number) in layout.idlers:
