@@ -35,8 +35,7 @@ def write_series(folder: Path, samples: int, effects: str) -> Path:
     from mbcdm_cad.layouts.loader import load_design
     from tests.support.bench_data import Simulated, drum_angle, write_run
     from tests.support.bench_effects import Effect
-    from tests.support.bench_geometry import chain_of
-    from tests.support.bench_motion import RATE_HZ, Bench, Plan, bench_run, read_sensors
+    from tests.support.bench_motion import RATE_HZ, Bench, Plan, bench_run, chain_of, read_sensors
 
     drive = load_design(DESIGN).drive
     chain = chain_of(drive)
@@ -94,7 +93,7 @@ def plain_once(path: Path, effects: str) -> dict[str, Any]:
     from mbcdm_cad.layouts.loader import load_design
     from mbcdm_cad.measurement.reading import load_measurement
     from mbcdm_cad.model.hysteresis import simulate
-    from tests.support.bench_geometry import chain_of, path_of_eccentric
+    from tests.support.bench_motion import chain_of, path_of_eccentric
 
     drive = load_design(DESIGN).drive
     run = load_measurement(path)

@@ -2,7 +2,7 @@
 
     python -m benchmarks.studies.advice [--short] [--only "L 38"] [--solve]
 
-Each start is one of the single edits of ``tests/acceptance/test_single_edits.py``, written into the complete reference
+Each start is one of the single edits of ``tests/acceptance/test_docs_commands.py``, written into the complete reference
 file (box and mass open, 1.0 N m and D/d 10 required), or with ``--short`` into the file of its requirements alone. In
 each round the design is checked, and the changes of the advice are written into the file. It ends with a design that
 passes, with the list of checks that still fail, or in a cycle: a file that occurred before. ``--solve`` runs
@@ -26,7 +26,7 @@ from mbcdm_cad.layouts.check_design import advised_checks
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.solving.question import question_of
 from mbcdm_cad.solving.solve import solve
-from tests.acceptance.test_single_edits import EDITS, requirements
+from tests.acceptance.test_docs_commands import EDITS, requirements
 
 REFERENCE = Path(__file__).parents[2] / "params" / "mbcdm.yaml"
 ROUNDS = 8

@@ -26,8 +26,7 @@ from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.planning.plan import RunPlan, noise_from, plan_of
 from tests.support.bench_data import Simulated, drum_angle, stream, through_files
 from tests.support.bench_effects import ALL, Effect
-from tests.support.bench_geometry import chain_of
-from tests.support.bench_motion import Bench, Plan, bench_run
+from tests.support.bench_motion import Bench, Plan, bench_run, chain_of
 from tests.support.bench_real import Traits, draw_traits, logged, tracked
 from tests.support.bench_score import interval, outcome_of, said_of
 

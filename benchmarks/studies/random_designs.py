@@ -24,6 +24,7 @@ import numpy as np
 import trimesh
 import yaml
 
+from benchmarks.studies.workshop import at_rest, forced, forced_parts, workshop
 from benchmarks.study import add_workers, run_many
 from mbcdm_cad.checks.size import estimated_mass_g
 from mbcdm_cad.design.bought import Material
@@ -40,7 +41,6 @@ from mbcdm_cad.workshop.makefiles import drawn_part, make_part_files
 from mbcdm_cad.workshop.mass import PartFiles
 from tests.support.interference_of_solids import MESH_TOLERANCE_MM, interferences, mesh_of
 from tests.support.random_generator import LAYOUTS, USUAL, Passing, load, passing
-from tests.support.workshop import at_rest, forced, forced_parts, workshop
 
 STAGES = ("draw", "sound", "mesh", "interference", "box", "mass", "take-up", "drawing", "print", "holes", "forced")
 # How far the box worked out before anything is drawn may be from that of the solids: it has the corners of the

@@ -20,8 +20,7 @@ from tests.support.bench_cases import CASES
 from tests.support.bench_chain import run_chain
 from tests.support.bench_data import drum_angle, simulate_case, write_case
 from tests.support.bench_effects import Effect
-from tests.support.bench_geometry import chain_of
-from tests.support.bench_motion import Bench, Plan
+from tests.support.bench_motion import Bench, Plan, chain_of
 from tests.support.bench_score import interval, outcome_of, score_of
 from tests.support.reference import DRIVE, PARAMS, ROOT
 

@@ -1,15 +1,18 @@
-"""The fast estimate of the frame's windup compared with solid finite elements, for walls that a designer changes."""
+"""The fast estimate of the frame's windup compared with solid finite elements; frames with the motors above."""
 
 from dataclasses import replace
 from functools import cache
 from itertools import islice
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from benchmarks.studies import random_designs
 from benchmarks.studies.random_drums import ALLOWED, ALLOWED_STRESS, by_both, drums
 from mbcdm_cad.checks.size import estimated_mass_g
+from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import layout_of, load_design, load_text, new_design_text
 from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.checks.room import box_mm
@@ -22,9 +25,13 @@ from mbcdm_cad.model.stiffness import unit_tensions_N
 from mbcdm_cad.parts.bill import CABLE
 from mbcdm_cad.workshop.interference import answers
 from mbcdm_cad.workshop.kernel import validate_faces, validate_solid
+from tests.acceptance.test_docs_commands import EDITS, EXCLUDED
+from tests.acceptance.test_docs_commands import failing as failing_edit
+from tests.acceptance.test_docs_commands import requirements as reference
 from tests.support.frame_fe import SupportFE, brick_stiffness, seats
 from tests.support.interference_of_solids import body, run_of
 from tests.support.motors_above import ABOVE
+from tests.support.random_generator import PRINTED, Passing, failing, load, requirements
 
 REFERENCE = Path(__file__).parents[2] / "params" / "mbcdm.yaml"
 COARSE_MM, FINE_MM = 2.0, 1.6
@@ -223,3 +230,75 @@ def test_all_choices_together_clash_nowhere_and_weigh_what_was_estimated() -> No
     run = run_of(dims, {name: body(name, solid, MESH_MM) for name, solid in solids.items()}, (-35.0, 35.0))
     clashes = run.clashes(answers(run, {}, 1))
     assert not clashes, "\n".join(map(str, clashes))
+
+
+POSES = 3
+
+
+def short(ratio: float, radius_mm: float, half_deg: float, torque_Nm: float, **blocks: Any) -> dict[str, Any]:
+    return {
+        "name": "raised",
+        "configuration": "miso_bevel",
+        "travel": {"half_angle_deg": half_deg},
+        "transmission": {"ratio": ratio, "drum_radius_mm": radius_mm, **blocks.pop("transmission", {})},
+        "loads": {"peak_torque_Nm": torque_Nm},
+        "drive": {"motor_side": "above", **blocks.pop("drive", {})},
+        **blocks,
+    }
+
+
+# Each kind of drive that the layout has, two in one design where neither changes what the other tests.
+DESIGNS = {
+    "large, four screws": short(12.0, 150.0, 30.0, 25.0),
+    "small, grooved": short(6.0, 34.0, 20.0, 0.5, input_pulleys={"surface": "grooved"}),
+    "printed, three screws, turned": short(
+        9.0, 80.0, 30.0, 2.0, drive={"gearhead": "gearhead-76-22", "gearhead_angle_deg": 40.0}, **PRINTED
+    ),
+    "flat motors without gearheads": short(9.0, 80.0, 30.0, 1.0, drive={"gearhead": "none"}),
+    "below, three screws, turned": short(
+        8.0, 60.0, 20.0, 3.0, drive={"gearhead": "gearhead-76-22", "gearhead_angle_deg": -25.0, "motor_side": "below"}
+    ),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", DESIGNS)
+def test_built_as_foreseen(name: str) -> None:
+    loaded = load(DESIGNS[name])
+    assert not failing(loaded)
+    failures = list(random_designs.exercise(Passing(0, DESIGNS[name], loaded), POSES))
+    assert not failures, "\n".join(f"{f.stage}: {f.what}" for f in failures)
+
+
+@pytest.mark.slow
+def test_the_workshop_can_make_it() -> None:
+    """Every drawing but the drum's, which is that of motors below, makes its part; a forced build is never a crash."""
+    data = DESIGNS["flat motors without gearheads"]
+    failures = list(random_designs.exercise_workshop(Passing(0, data, load(data)), ("drum",)))
+    assert not failures, "\n".join(f"{f.stage}: {f.what}" for f in failures)
+
+
+@pytest.mark.parametrize("name", [name for name in EDITS if name not in EXCLUDED])
+def test_one_edit_of_the_reference_passes_with_motors_above(name: str) -> None:
+    data = reference()
+    EDITS[name](data)
+    data["drive"]["motor_side"] = "above"
+    assert failing_edit(data) == {}
+
+
+@pytest.mark.slow
+def test_motors_above_reach_as_far_as_motors_below() -> None:
+    """Of random requirements, all that pass with motors below pass with motors above."""
+    passed = 0
+    for seed in range(1, 16):
+        found = []
+        for side in ("below", "above"):
+            data = requirements(seed)
+            data["drive"] = {"motor_side": side}
+            try:
+                found.append(not failing(load(data)))
+            except InputError:
+                found.append(False)
+        assert found[1] or not found[0], f"seed {seed} passes with motors below only"
+        passed += found[1]
+    assert passed >= 12, passed

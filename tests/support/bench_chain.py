@@ -15,7 +15,7 @@ import math
 import numpy as np
 from numba import njit
 
-from tests.support.bench_geometry import Chain
+from tests.support.bench_motion import Chain
 
 PIECE_RAD = 4e-3
 INPUT_WRAP_RAD = 18.0

@@ -3,7 +3,7 @@
     write_case(folder, "pulley_guide", seed=3, drive=load_design(...).drive)
     python -m tests.support.bench_data out/story out_square 0
 
-The physics is in bench_chain.py, the geometry in bench_geometry.py, motion and sensors in bench_motion.py; of the
+The physics is in bench_chain.py, the geometry, motion and sensors in bench_motion.py; of the
 project only the design file is used. Sizes and phases of the effects come from the seed, within ranges that the motion
 of the case can separate. ``truth.yaml`` is never read by the loop.
 """
@@ -26,7 +26,7 @@ from tests.support import bench_motion
 from tests.support.bench_cases import CASES, Case
 from tests.support.bench_chain import PIECE_RAD, run_chain
 from tests.support.bench_effects import Effect
-from tests.support.bench_geometry import Chain, chain_of, path_of_eccentric
+from tests.support.bench_motion import Chain, chain_of, path_of_eccentric
 
 
 @dataclass(frozen=True)

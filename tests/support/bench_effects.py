@@ -90,34 +90,27 @@ def shares(name: str, kind: str, low: float, high: float, **more: Any) -> Draw:
     return lambda rng, plan: (Effect(name, kind, {"share": _sign(rng) * rng.uniform(low, high)}, **more),)
 
 
-def pulley(stage: str, low_um: float, high_um: float) -> Draw:
-    """An eccentric pulley."""
-
+def _turning(kind: str, stage: str, key: str, low: float, high: float, unit: float = 1.0) -> Draw:
     def draw(rng: np.random.Generator, plan: Plan) -> tuple[Effect, ...]:
-        figures = {"eccentricity_m": rng.uniform(low_um, high_um) * 1e-6, "phase_rad": _phase(rng, stage)}
-        return (Effect("once_per_rev", "pulley", figures, stage=stage),)
+        figures = {key: rng.uniform(low, high) * unit, "phase_rad": _phase(rng, stage)}
+        return (Effect("once_per_rev", kind, figures, stage=stage),)
 
     return draw
+
+
+def pulley(stage: str, low_um: float, high_um: float) -> Draw:
+    """An eccentric pulley."""
+    return _turning("pulley", stage, "eccentricity_m", low_um, high_um, 1e-6)
 
 
 def input_encoder(stage: str, low_rad: float, high_rad: float) -> Draw:
     """An encoder that sits off centre on an input's shaft."""
-
-    def draw(rng: np.random.Generator, plan: Plan) -> tuple[Effect, ...]:
-        figures = {"amplitude_rad": rng.uniform(low_rad, high_rad), "phase_rad": _phase(rng, stage)}
-        return (Effect("once_per_rev", "input_encoder", figures, stage=stage),)
-
-    return draw
+    return _turning("input_encoder", stage, "amplitude_rad", low_rad, high_rad)
 
 
 def output_encoder(low_rad: float, high_rad: float) -> Draw:
     """An encoder that sits off centre on the drum's shaft."""
-
-    def draw(rng: np.random.Generator, plan: Plan) -> tuple[Effect, ...]:
-        figures = {"amplitude_rad": rng.uniform(low_rad, high_rad), "phase_rad": _phase(rng, "drum")}
-        return (Effect("once_per_rev", "output_encoder", figures, stage="drum"),)
-
-    return draw
+    return _turning("output_encoder", "drum", "amplitude_rad", low_rad, high_rad)
 
 
 def ripple(cycles: tuple[float, float], low_rad: float, high_rad: float) -> Draw:
@@ -151,46 +144,30 @@ def jump(low_rad: float, high_rad: float) -> Draw:
     return draw
 
 
-def bump(low_rad: float, high_rad: float) -> Draw:
-    """A thick place of the rope."""
-
+def _placed(name: str, kind: str, key: str, low: float, high: float, **places: tuple[float, float]) -> Draw:
     def draw(rng: np.random.Generator, plan: Plan) -> tuple[Effect, ...]:
-        figures = {
-            "height_rad": rng.uniform(low_rad, high_rad),
-            "at_rad": rng.uniform(-0.6, 0.6) * plan.amplitude_rad,
-            "width_rad": rng.uniform(0.03, 0.08) * plan.amplitude_rad,
-        }
-        return (Effect("strand damage", "damaged_strand", figures),)
+        figures = {key: rng.uniform(low, high)}
+        figures |= {place: rng.uniform(*shares) * plan.amplitude_rad for place, shares in places.items()}
+        return (Effect(name, kind, figures),)
 
     return draw
+
+
+def bump(low_rad: float, high_rad: float) -> Draw:
+    """A thick place of the rope."""
+    places = {"at_rad": (-0.6, 0.6), "width_rad": (0.03, 0.08)}
+    return _placed("strand damage", "damaged_strand", "height_rad", low_rad, high_rad, **places)
 
 
 def climb(low_rad: float, high_rad: float) -> Draw:
     """A rope that climbs a step."""
-
-    def draw(rng: np.random.Generator, plan: Plan) -> tuple[Effect, ...]:
-        figures = {
-            "height_rad": rng.uniform(low_rad, high_rad),
-            "at_rad": rng.uniform(0.3, 0.7) * plan.amplitude_rad,
-            "lag_rad": rng.uniform(0.02, 0.1) * plan.amplitude_rad,
-        }
-        return (Effect("cable climbing", "climbing", figures),)
-
-    return draw
+    places = {"at_rad": (0.3, 0.7), "lag_rad": (0.02, 0.1)}
+    return _placed("cable climbing", "climbing", "height_rad", low_rad, high_rad, **places)
 
 
 def wear(low: float, high: float) -> Draw:
     """A worn stretch of a land."""
-
-    def draw(rng: np.random.Generator, plan: Plan) -> tuple[Effect, ...]:
-        figures = {
-            "share": rng.uniform(low, high),
-            "from_rad": rng.uniform(-0.5, 0.2) * plan.amplitude_rad,
-            "length_rad": rng.uniform(0.15, 0.4) * plan.amplitude_rad,
-        }
-        return (Effect("worn land", "worn_land", figures),)
-
-    return draw
+    return _placed("worn land", "worn_land", "share", low, high, from_rad=(-0.5, 0.2), length_rad=(0.15, 0.4))
 
 
 def _sign(rng: np.random.Generator) -> float:

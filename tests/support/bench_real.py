@@ -15,8 +15,17 @@ from mbcdm_cad.design.drive import Drive
 from tests.support import bench_effects
 from tests.support.bench_cases import CASES, Case
 from tests.support.bench_data import Simulated, drum_angle, stream
-from tests.support.bench_geometry import Chain, chain_of
-from tests.support.bench_motion import INPUT_STEP_RAD, OUTPUT_STEP_RAD, RATE_HZ, TORQUE_NOISE_NM, Bench, Plan, bench_run
+from tests.support.bench_motion import (
+    INPUT_STEP_RAD,
+    OUTPUT_STEP_RAD,
+    RATE_HZ,
+    TORQUE_NOISE_NM,
+    Bench,
+    Chain,
+    Plan,
+    bench_run,
+    chain_of,
+)
 
 LOADS = ("brake", "levels", "bias", "steps", "pendulum", "spring", "hand", "motor")
 # Loads that do not follow the motion, on which effects of the load are told from each other.

@@ -8,8 +8,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.measurement.run import Run, Sensors
 from tests.support.bench_data import drum_angle
 from tests.support.bench_effects import Effect
-from tests.support.bench_geometry import chain_of
-from tests.support.bench_motion import Plan, bench_run
+from tests.support.bench_motion import Plan, bench_run, chain_of
 
 NOISE_RAD, STEP_RAD, TORQUE_NOISE_NM = 5e-7, 2e-7, 1e-3
 EVERY = 2

@@ -1,15 +1,9 @@
-"""Make the helper modules of this folder importable, and provide the reference drive."""
-
-import sys
-from pathlib import Path
+"""The reference drive."""
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent))
-
-from designs import reference
-
 from mbcdm_cad.design.drive import Drive
+from tests.unit.checks.designs import reference
 
 
 @pytest.fixture

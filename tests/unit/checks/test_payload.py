@@ -6,7 +6,6 @@ from math import pi
 from typing import Any
 
 import pytest
-from designs import put, reference
 
 from mbcdm_cad.checks.bearings import drum_bearings, drum_reactions_N
 from mbcdm_cad.checks.comparison import CheckResult
@@ -24,6 +23,7 @@ from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.drum_sector.dims import SLIP_SAFETY, JointLoad, PayloadJoint
 from mbcdm_cad.report.analysis_report import analyse_design
 from tests.support.checked import failing, results
+from tests.unit.checks.designs import put, reference
 
 G = 9.80665
 LEGS = {
@@ -334,8 +334,6 @@ def test_a_motor_without_electrical_values_cannot_show_a_speed() -> None:
 @pytest.mark.parametrize(("speed", "geared"), [(60, True), (500, False)])
 def test_sizing_for_a_speed_takes_a_motor_that_reaches_it(layout: str, speed: int, geared: bool) -> None:
     """A slow joint keeps its gearhead: small motors have electrical values too."""
-    if layout == "miso_bevel" and not geared:
-        pytest.skip("its rules take a motor without gearhead only where the file asks for it")
     drive = load_text(wrist(layout, f", speed_deg_s: {speed}")).drive
     assert run_check(BY_ID["speed"], layout_of(drive)).status == "pass"
     assert not geared or not drive.gearhead.absent, drive.motor.name

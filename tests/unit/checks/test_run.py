@@ -12,19 +12,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 import yaml
-from designs import (
-    Change,
-    loaded,
-    preloaded,
-    put,
-    radius_of,
-    random_data,
-    random_drives,
-    reference,
-    scaled,
-    to,
-    with_cable,
-)
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -42,6 +29,19 @@ from mbcdm_cad.layouts.check_design import checks_of, known_ids, run_checks
 from mbcdm_cad.layouts.loader import layout_of, load_design, load_text, reference_data
 from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
 from mbcdm_cad.layouts.miso_bevel.layout import VARIABLES, BevelLayout
+from tests.unit.checks.designs import (
+    Change,
+    loaded,
+    preloaded,
+    put,
+    radius_of,
+    random_data,
+    random_drives,
+    reference,
+    scaled,
+    to,
+    with_cable,
+)
 
 OVERRIDES = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 

@@ -7,7 +7,6 @@ from math import hypot, pi, sqrt
 
 import numpy as np
 import pytest
-from designs import put, reference
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -28,6 +27,7 @@ from mbcdm_cad.parts.drum_sector import dims
 from mbcdm_cad.parts.fits import clamp_force_N, screw_hold
 from tests.support.checked import failing, of_params, result
 from tests.support.reference import PARAMS
+from tests.unit.checks.designs import put, reference
 
 REFERENCES = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel")
 # Force of a tightened screw of class 8.8, N: 0.7 x 640 N/mm2 over the stress area of ISO 898, mm2.

@@ -296,7 +296,10 @@ def test_derived_values_stand_as_comments_and_give_the_same_design(short: Path, 
         assert f"{value.field.split('.')[-1]}: " in path.read_text(), value.field
 
 
-@pytest.mark.parametrize("layout", ["miso_bevel", "siso_bevel", "siso_spur", "miso_spur"])
+@pytest.mark.parametrize(
+    "layout",
+    ["siso_bevel", *(pytest.param(n, marks=pytest.mark.slow) for n in ("miso_bevel", "siso_spur", "miso_spur"))],
+)
 def test_a_derived_line_without_its_comment_mark_pins_its_field(layout: str) -> None:
     lines = short_design_text("drive", layout, derived=True).splitlines()
     whole = load_text("\n".join(lines), "drive.yaml")

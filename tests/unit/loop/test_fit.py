@@ -1,20 +1,30 @@
-"""The joint fit: what is simulated and what is not, and that a short cut ends where the long way does."""
+"""The joint fit and what it is fed: prepared runs, Wald figures, what is held out, generic curves."""
 
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
+from scipy.stats import norm
 
+from benchmarks.studies.clustered import cell_grams, cluster_estimate
 from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects import library
 from mbcdm_cad.loop.prepare import setup
+from mbcdm_cad.loop.prepare.lines import MOST_ORDER, order_spectrum
 from mbcdm_cad.loop.prepare.prepared import prepare
+from mbcdm_cad.loop.prepare.samples import held_sweeps, held_words
+from mbcdm_cad.loop.result import LoopResult
+from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.loop.search.fit import Fitter, _bounded_step
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.hysteresis import simulate
+from mbcdm_cad.planning.plan import planned_fitter
 from mbcdm_cad.routes import Floats
 
 D = layout_of(load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive).si
@@ -120,3 +130,226 @@ def test_a_step_that_meets_a_bound_is_the_best_within_it() -> None:
         assert step == pytest.approx(best.x, abs=1e-5), (step, best.x)
         stopped += bool(best.active_mask[0])
     assert stopped > 20, f"only {stopped} steps met the bound"
+
+
+DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
+SIZES = {"friction (bearing torque)": [0.2], "lash input_right (play at an input)": [5e-3, 0.0]}
+
+
+def run(flank_s: float) -> Run:
+    """A sine under a brake that changes its sign within ``flank_s``."""
+    t = np.arange(0.0, 60.0, 0.01)
+    drum = 0.45 * np.sin(2.0 * np.pi * t / 10.0)
+    load = 0.8 * np.tanh(np.cos(2.0 * np.pi * t / 10.0) * 10.0 / (np.pi * flank_s))
+    inputs = np.stack([9.0 * drum, 9.0 * drum])
+    return Run(
+        t, inputs, simulate(layout_of(DRIVE).si, inputs, load).drum_angle_rad, load, sensors=Sensors(1e-6, 1e-9, None)
+    )
+
+
+def change(fitter: Fitter, label: str) -> Floats:
+    """Change of the prediction by an effect."""
+    effect = next(one for one in library(fitter.d, fitter.runs[0]) if one.label == label)
+    with_it = fitter.predict([effect], [np.array(SIZES[label])], np.zeros(1))
+    return fitter.centred(with_it - fitter.predict([], [], np.zeros(1)), fitter.used)
+
+
+@pytest.mark.parametrize("label", SIZES)
+@pytest.mark.parametrize("flank_s", [0.05, 0.5])
+def test_a_friction_and_a_play_change_sides_when_they_do_on_every_sample(label: str, flank_s: float) -> None:
+    few = planned_fitter(DRIVE, run(flank_s))
+    p = replace(few.runs[0])
+    p.__dict__["coarse"] = np.arange(p.time_s.size)
+    every = Fitter(few.d, few.ratio, [p], few.known)
+    exact, found = (change(one, label)[few.used] for one in (every, few))
+    error = float(np.sqrt(np.mean((found - exact) ** 2)))
+    share = few.runs[0].coarse.size / p.time_s.size
+    print(
+        f"{label}, flank {flank_s} s: effect {1e6 * exact.std():.1f} urad RMS, error {1e6 * error:.2f} urad, "
+        f"{share:.0%} of the samples simulated"
+    )
+    assert exact.std() > 1e-5, "an effect that shows nothing would test nothing"
+    assert error < 0.03 * exact.std()
+    assert share < 0.4
+
+
+# Order spectrum: a line stands where it is and as high as it is; nothing else does, however sweeps meet the angles.
+
+
+def swept(samples: int = 16_000) -> np.ndarray:
+    """Triangles at +-0.45 rad whose sweeps meet the same angles again, with 1 mrad of smooth rounding."""
+    t = np.arange(samples) * 0.01
+    return 0.45 * (2.0 / np.pi) * np.arcsin(0.998 * np.sin(2.0 * np.pi * 0.0625 * t))
+
+
+def test_slow_trend_makes_no_fast_line() -> None:
+    angle = swept()
+    orders, amplitude = order_spectrum(angle, 1e-4 * np.sin(angle + 0.3))
+    ghost = float(amplitude[orders > 100.0].max())
+    assert ghost < 1e-8, f"a line of {ghost:.2g} rad where there is none"
+
+
+@pytest.mark.parametrize("order", [45.0, 684.0, 2100.0])
+def test_line_over_a_trend(order: float) -> None:
+    angle = swept()
+    orders, amplitude = order_spectrum(angle, 2e-5 * np.cos(order * angle + 1.0) + 1e-4 * np.sin(angle))
+    fast = orders > 30.0
+    k = int(np.argmax(np.where(fast, amplitude, 0.0)))
+    assert abs(orders[k] - order) < 0.5 * 2.0 * np.pi / float(np.ptp(angle)), f"{orders[k]:.1f} for {order}"
+    # At high orders a bin is a good part of a wave, and bins without a sample are filled from their neighbours.
+    low = 0.5 if order > 2000.0 else 0.95
+    assert low * 2e-5 < amplitude[k] < 1.02 * 2e-5, amplitude[k]
+
+
+def test_no_order_beyond_what_is_looked_for() -> None:
+    orders, _ = order_spectrum(swept(), np.zeros(16_000))
+    assert orders[-1] <= MOST_ORDER
+
+
+SWEEPS, SECTORS, IN_CELL = 20, 8, 40
+
+
+def layout() -> tuple[Floats, NDArray[np.int64], NDArray[np.int64]]:
+    one = np.linspace(-1.0, 1.0, SECTORS * IN_CELL)
+    angle = np.concatenate([one if k % 2 == 0 else one[::-1] for k in range(SWEEPS)])
+    sweep = np.repeat(np.arange(SWEEPS), one.size)
+    sector = np.minimum((angle + 1.0) / 2.0 * SECTORS, SECTORS - 1).astype(np.int64)
+    return angle, sweep, sector
+
+
+def residual(rng: np.random.Generator, angle: Floats, sweep: NDArray[np.int64]) -> Floats:
+    """Noise, a texture that repeats in angle, a level of each sweep."""
+    at = np.linspace(-1.0, 1.0, 60)
+    texture = np.interp(angle, at, rng.standard_normal(60))
+    return texture + 0.5 * rng.standard_normal(SWEEPS)[sweep] + rng.standard_normal(angle.size)
+
+
+def test_grams_are_those_of_the_samples() -> None:
+    angle, sweep, sector = layout()
+    x = np.column_stack([angle, angle**2])
+    y = np.cos(5.0 * angle)
+    cells = cell_grams(x, y, sweep, sector)
+    table = np.column_stack([np.ones(angle.size), x, y])
+    assert cells.gram.shape == (SWEEPS * SECTORS, 4, 4)
+    np.testing.assert_allclose(cells.total, table.T @ table, rtol=1e-12, atol=1e-9)
+    chosen = (sweep == 3) & (sector == 5)
+    k = int(np.flatnonzero((cells.sweep == 3) & (cells.sector == 5))[0])
+    np.testing.assert_allclose(cells.gram[k], table[chosen].T @ table[chosen], rtol=1e-12, atol=1e-9)
+
+
+def test_level_on_residuals_that_repeat_in_angle() -> None:
+    """A slope in angle, tested at 5 %, on residuals that have none."""
+    angle, sweep, sector = layout()
+    rng = np.random.default_rng(11)
+    clustered = plain = 0
+    for _ in range(400):
+        y = residual(rng, angle, sweep)
+        clustered += cluster_estimate(angle[:, None], y, sweep, sector).probability([0]) < 0.05
+        slope = float(angle @ (y - y.mean()) / (angle @ angle))
+        left = y - y.mean() - slope * angle
+        z = slope / (left.std() / np.sqrt(angle @ angle))
+        plain += 2.0 * norm.sf(abs(z)) < 0.05
+    assert clustered / 400 < 0.10, clustered
+    assert plain / 400 > 0.4, plain
+
+
+def test_true_slope_is_found_and_covered() -> None:
+    angle, sweep, sector = layout()
+    rng = np.random.default_rng(5)
+    covered = found = 0
+    for _ in range(200):
+        y = residual(rng, angle, sweep) + 3.0 * angle
+        one = cluster_estimate(angle[:, None], y, sweep, sector)
+        covered += abs(one.value[0] - 3.0) <= one.half_width()[0]
+        found += one.probability([0]) < 0.05 / 14
+    assert 0.85 <= covered / 200 <= 0.995, covered
+    assert found / 200 > 0.95, found
+
+
+def test_nuisance_takes_its_part_and_twins_are_not_told_apart() -> None:
+    angle, sweep, sector = layout()
+    rng = np.random.default_rng(2)
+    y = residual(rng, angle, sweep) + 3.0 * angle
+    twin = np.column_stack([angle, 2.0 * angle])
+    one = cluster_estimate(twin, y, sweep, sector)
+    assert one.probability([0]) == one.probability([1]) == 1.0
+    beside = cluster_estimate(np.column_stack([angle, angle + 1e-3 * np.sin(9.0 * angle)]), y, sweep, sector)
+    assert beside.probability([0]) > 0.01
+
+
+def sweeps(loads: list[float], count: int) -> tuple[np.ndarray, Floats, Floats]:
+    one = np.linspace(-0.5, 0.5, 50)
+    output = np.concatenate([one if k % 2 == 0 else one[::-1] for k in range(count)])
+    sweep = np.repeat(np.arange(count), one.size)
+    return sweep, output, np.array(loads)[sweep % len(loads)]
+
+
+@pytest.mark.parametrize("rhythm", [1, 2, 3, 4, 5, 6, 8])
+@pytest.mark.parametrize("count", [12, 16, 17, 24])
+def test_loads_and_directions_are_those_of_the_whole(rhythm: int, count: int) -> None:
+    levels = list(np.cos(np.pi * np.arange(rhythm) * 3 / max(rhythm, 1)) * np.linspace(1.0, 0.3, rhythm))
+    sweep, output, load = sweeps([float(v) for v in levels], count)
+    held = held_sweeps(sweep, output, load)
+    chosen = np.isin(sweep, held)
+    assert 0.15 <= chosen.mean() <= 0.35, held
+    assert {int(k) % 2 for k in held} == {0, 1}, held
+    whole, part = float(np.std(load)), float(np.std(load[chosen]))
+    assert part >= 0.5 * whole, (
+        f"{count} half sweeps, {held} held back: spread of the load {whole:.3f}, there {part:.3f}"
+    )
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_loads_that_change_within_half_sweeps_are_all_held_back(seed: int) -> None:
+    """The loads jump at random times: half sweeps with the same mean load have different loads."""
+    rng = np.random.default_rng(seed)
+    sweep, output, _ = sweeps([0.0], 20)
+    jumps = np.sort(rng.choice(np.arange(1, sweep.size), 30, replace=False))
+    load = rng.uniform(-1.0, 1.0, 31)[np.searchsorted(jumps, np.arange(sweep.size), side="right")]
+    held = np.isin(sweep, held_sweeps(sweep, output, load))
+    edges = np.linspace(load.min(), load.max(), 5)
+    whole, there = (np.histogram(part, edges)[0] / part.size for part in (load, load[held]))
+    assert 0.15 <= held.mean() <= 0.35, held.mean()
+    assert np.abs(whole - there).sum() / 2 < 0.22, f"shares of four bins of the load: all {whole}, held back {there}"
+
+
+def test_few_or_unused_sweeps() -> None:
+    sweep, output, load = sweeps([1.0], 3)
+    assert held_sweeps(sweep, output, load).size == 1
+    assert held_sweeps(sweep - 2, output, None).size == 0
+    assert held_sweeps(sweep, output, None).size == 1
+
+
+def test_words_name_numbers_of_the_run_and_loads() -> None:
+    """The first half sweep of a run is not used, so the first that is has the number 2."""
+    sweep, _, load = sweeps([0.9, -0.9], 8)
+    assert held_words(np.array([1, 4]), sweep, load, False) == "half sweeps 3, 6 (mean loads -0.9 to 0.9 N m)"
+    assert held_words(np.array([2, 6]), sweep, None, True) == "eighths 3, 7 of the time"
+    assert held_words(np.array([], dtype=int), sweep, load, False) == "none"
+
+
+def found(error: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> LoopResult:
+    """The finding on a sine of a drive of which the ratio is known; the error from angle and speed of the output."""
+    t = np.arange(0.0, 120.0, 0.04)
+    angle = 0.5 * np.sin(2.0 * np.pi * t / 11.0)
+    out = angle + error(angle, np.gradient(angle, t)) + 1e-5 * np.random.default_rng(7).standard_normal(t.size)
+    return close_loop(None, [Run(t, (5.0 * angle)[None], out, None, input_names=("input",), ratio=5.0)])
+
+
+def test_the_square_of_the_speed_is_no_wave_that_looks_like_it_on_a_sine() -> None:
+    """A wave of the drum has any phase: that of a parabola in the middle of the travel is chance."""
+    result = found(lambda angle, speed: 2e-3 * speed**2)
+    assert result.verdict == "unknown" and not result.effects and not result.one_of, result.sentence
+    wave = found(lambda angle, speed: 2e-3 * np.cos(angle + 1.0))
+    named = [one.name for one in wave.effects] + [one.name for group in wave.one_of for one in group]
+    assert "once_per_rev" in named, wave.sentence
+
+
+def test_a_walk_with_the_whole_path_is_not_a_walk_one_way_beside_a_wrong_ratio() -> None:
+    def error(angle: np.ndarray, speed: np.ndarray) -> np.ndarray:
+        path = np.cumsum(np.abs(np.diff(angle, prepend=angle[0])))
+        return np.asarray(4e-5 * path + 2e-4 * np.cos(44.0 * angle))
+
+    result = found(error)
+    named = [one.name for one in result.effects] + [one.name for group in result.one_of for one in group]
+    assert "ripple" in named and "ratio_error" not in named, result.sentence

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from sound_runs import Write, mapping, signals, table
 
 import mbcdm_cad as mc
 from mbcdm_cad.cli import run as mbcdm
@@ -17,6 +16,7 @@ from mbcdm_cad.measurement.reference import measurement_page
 from mbcdm_cad.measurement.schema import Measurement, json_schema, node_at
 from mbcdm_cad.model.si import ModelError
 from tests.support.reference import ROOT, Says
+from tests.unit.measurement.sound_runs import Write, mapping, signals, table
 
 DESIGN = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 BARE = {key: value for key, value in mapping()["columns"].items() if key != "load_torque"}

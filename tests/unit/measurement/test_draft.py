@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from sound_runs import DRIVE, sound_run
 
 from mbcdm_cad.cli import run as mbcdm
 from mbcdm_cad.errors import InputError
@@ -17,6 +16,7 @@ from mbcdm_cad.measurement.reading import load_measurement, read_run
 from mbcdm_cad.measurement.roles import Expected
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.vet import arranged, refusals, vet
+from tests.unit.measurement.sound_runs import DRIVE, sound_run
 
 DESIGN = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 RUN = sound_run()

@@ -54,173 +54,9 @@ SIGNALS = {
     "motor_turn_speed": noisy(np.gradient(INPUT, TIME), 0.02) / (2.0 * np.pi),
     "warm": noisy(25.0 + TIME / 60.0, 0.05),
 }
-# The header, the signals of its columns, and the columns of input and output, from 0.
-HEADERS: list[tuple[str, str, int, int]] = [
-    ("t,q_m,q_l,tau", "t motor joint torque", 1, 2),
-    (
-        "timestamp,actuator_position,actuator_velocity,link_position,link_velocity",
-        "t motor motor_speed joint joint_speed",
-        1,
-        3,
-    ),
-    ("time,motorPos,motorVel,jointPos,jointVel,motorTorque", "t motor motor_speed joint joint_speed torque", 1, 3),
-    ("Time [s],Motor angle [deg],Output angle [deg],Torque [Nm]", "t motor_deg joint_deg torque", 1, 2),
-    ("t,cmd_pos,fb_pos,load_pos", "t command motor joint", 2, 3),
-    ("time_ms,enc_a,enc_b", "t_ms motor_counts joint_counts", 1, 2),
-    ("time,theta1,theta2,dtheta1,dtheta2", "t motor joint motor_speed joint_speed", 1, 2),
-    ("sec,input_deg,output_deg,temp_c", "t motor_deg joint_deg warm", 1, 2),
-    ("/motor/position,/joint/position,time", "motor joint t", 0, 1),
-    ("Zeit,Antrieb_Winkel,Abtrieb_Winkel,Strom", "t motor joint current", 1, 2),
-    (
-        "t,axis0.encoder.pos_estimate,axis1.encoder.pos_estimate,axis0.motor.current_control.Iq_measured",
-        "t motor_turns joint_turns current",
-        1,
-        2,
-    ),
-    ("time,speed,current,angle,knee_angle", "t motor_speed current motor joint", 3, 4),
-    ("time,setpoint,motor,pendulum_arm", "t command motor joint", 2, 3),
-    ("ticks,status,servo,horn_pot", "t_ms flag motor joint", 2, 3),
-    ("time,primary_encoder,secondary_encoder", "t motor_counts joint_counts", 1, 2),
-    ("t,rotor,lever", "t motor joint", 1, 2),
-    ("clock,mot_cur,mot_vel,mot_pos,drum_pos", "t current motor_speed motor joint", 3, 4),
-    ("time,joint_pos,motor_pos", "t joint motor", 2, 1),
-    ("time,col1,col2,col3", "t motor_speed motor joint", 2, 3),
-    ("a,b,c", "t motor joint", 1, 2),
-]
-
-# Headers of public loggers and of scripts in public repositories, with the signals of their columns.
-PUBLIC: list[tuple[str, str, int, int]] = [
-    # rostopic echo -p: times in ns, names of the joints as text.
-    (
-        "%time,field.header.seq,field.header.stamp,field.header.frame_id,field.name0,field.name1,field.position0,"
-        "field.position1,field.velocity0,field.velocity1,field.effort0,field.effort1",
-        "t_ns row t_ns word word word motor joint motor_speed joint_speed current torque",
-        6,
-        7,
-    ),
-    # PlotJuggler's export.
-    (
-        "__time,/joint_states/actuator/position,/joint_states/actuator/velocity,/joint_states/knee/position",
-        "t motor motor_speed joint",
-        1,
-        3,
-    ),
-    (
-        "__time,/js/position[0],/js/position[1],/js/velocity[0],/js/velocity[1]",
-        "t motor joint motor_speed joint_speed",
-        1,
-        2,
-    ),
-    # ODrive: liveplotter, and a logger of its S1.
-    (
-        "time,axis0.encoder.pos_estimate,axis0.encoder.vel_estimate,axis1.encoder.pos_estimate,axis0.controller.input_pos",
-        "t motor_turns motor_turn_speed joint_turns command",
-        1,
-        3,
-    ),
-    (
-        "timestamp_ms,mode,command_value,measured_position_deg,measured_velocity_deg_s,measured_torque_Nm,"
-        "command_current_A,joint_encoder_deg",
-        "t_ms flag command motor_deg motor_speed torque current joint_deg",
-        3,
-        7,
-    ),
-    # moteus: registers of a controller and a second encoder.
-    (
-        "timestamp,servo.mode,servo.position,servo.velocity,servo.torque,servo.q_current,servo.abs_position",
-        "t flag motor_turns motor_turn_speed torque current joint_turns",
-        2,
-        6,
-    ),
-    # Unitree's motor state beside the one that its encoder of the rotor gives.
-    (
-        "time,mode,q,dq,ddq,tau_est,q_raw,dq_raw,temperature",
-        "t flag joint joint_speed joint_speed torque motor motor_speed warm",
-        6,
-        2,
-    ),
-    # A controller of a joint's test stand: clock of the processor, both positions, current, counts.
-    (
-        "mcu_timestamp,host_timestamp_received,motor_position,joint_position,iq,torque,motor_encoder",
-        "t_us t_us motor joint current torque motor_counts",
-        2,
-        3,
-    ),
-    # Dephy's actuators: names as state_time, mot_ang.
-    (
-        "state_time,mot_ang,mot_vel,mot_acc,mot_cur,mot_volt,ank_ang,ank_vel,temperature",
-        "t_ms motor_counts motor_speed motor_speed current current joint_counts joint_speed warm",
-        1,
-        6,
-    ),
-    # A joint's logger with fault, load, angle by potentiometer and encoder.
-    (
-        "Elapsed Time(ms),R_hip_fault,R_hip_Load,R_hip_deg,R_hip_enc,R_hip_T_des",
-        "t_ms flag torque joint_deg motor_counts command",
-        4,
-        3,
-    ),
-    # Saleae Logic: exports of its analysers and of decoded quadrature counters.
-    ("Time [s],Motor [counts],Joint [counts],Index", "t motor_counts joint_counts flag", 1, 2),
-    # dSPACE ControlDesk and Simulink: paths of the model in the names.
-    (
-        '"time","Model Root/Encoder Motor/Pos [rad]","Model Root/Encoder Load/Pos [rad]","Model Root/Controller/u"',
-        "t motor joint command",
-        1,
-        2,
-    ),
-    # LabVIEW writes the task's channels.
-    ("Time,cDAQ1Mod1/ctr0 Motor Angle (deg),cDAQ1Mod1/ctr1 Load Angle (deg)", "t motor_deg joint_deg", 1, 2),
-    # TwinCAT Scope and CODESYS trace.
-    (
-        "Time;GVL.Axis1.NcToPlc.ActPos;GVL.fJointAngle;GVL.Axis1.NcToPlc.ActVelo;GVL.Axis1.PlcToNc.SetPos",
-        "t motor_deg joint_deg motor_speed command_deg",
-        1,
-        2,
-    ),
-    # EtherCAT drives by their objects.
-    (
-        "time,Position actual value (0x6064),Velocity actual value (0x606C),Torque actual value (0x6077),"
-        "Second encoder (0x60E4)",
-        "t motor_counts motor_speed current joint_counts",
-        1,
-        4,
-    ),
-    # Maxon EPOS Studio's recorder.
-    (
-        "Time [ms];Position actual value [inc];Velocity actual value averaged [rpm];"
-        "Current actual value averaged [mA];Auxiliary encoder [inc]",
-        "t_ms motor_counts motor_speed current joint_counts",
-        1,
-        4,
-    ),
-    # Dynamixel: present and goal position in ticks, and an AS5600 on the arm.
-    (
-        "millis,goal_position,present_position,present_velocity,present_load,as5600_raw",
-        "t_ms command_counts motor_counts motor_speed current joint_counts",
-        2,
-        5,
-    ),
-    # VESC Tool's log of one controller.
-    (
-        "ms_today;input_voltage;temp_mos_max;current_motor;d_axis_current;q_axis_current;erpm;duty_cycle;tachometer;encoder_position",
-        "t_ms current warm current current current motor_speed current motor_counts joint_deg",
-        8,
-        9,
-    ),
-    # SCPI and data acquisition: dates, channel numbers.
-    ("Scan,Time (Seconds),101 (Motor deg),102 (Arm deg),103 (VDC)", "row t motor_deg joint_deg torque", 2, 3),
-    # Simscape and OpenModelica results.
-    ("time,motor.phi,motor.w,motor.tau,load.phi,load.w", "t motor motor_speed torque joint joint_speed", 1, 4),
-    # Beckhoff, B&R: German names.
-    (
-        "Zeit [s];Sollposition;Istposition Motor [°];Istposition Gelenk [°];Motorstrom [A]",
-        "t command_deg motor_deg joint_deg current",
-        2,
-        3,
-    ),
-    # Japanese and French names.
-    ("temps,consigne,angle_moteur,angle_sortie,courant", "t command motor joint current", 2, 3),
+# Headers and the signals of their columns in turn, those of input and output marked.
+LINES = [
+    line for line in (Path(__file__).parent / "headers.txt").read_text("utf-8").splitlines() if line and line[0] != "#"
 ]
 
 
@@ -236,10 +72,12 @@ def write(folder: Path, header: str, signals: str) -> Path:
     return path
 
 
-@pytest.mark.parametrize(
-    ("header", "signals", "motor", "joint"), HEADERS + PUBLIC, ids=[header for header, *_ in HEADERS + PUBLIC]
-)
-def test_the_angles_are_found(tmp_path: Path, header: str, signals: str, motor: int, joint: int) -> None:
+@pytest.mark.parametrize(("header", "marked"), list(zip(LINES[::2], LINES[1::2], strict=True)), ids=LINES[::2])
+def test_the_angles_are_found(tmp_path: Path, header: str, marked: str) -> None:
+    signals = marked.replace("*", "")
+    motor, joint = (
+        next(k for k, one in enumerate(marked.split()) if one.startswith(f"*{w}")) for w in ("motor", "joint")
+    )
     draft = draft_text(write(tmp_path, header, signals), Expected.of_ratio(RATIO))
     columns, names = yaml.safe_load(draft)["columns"], header.replace('"', "").split(";" if ";" in header else ",")
     assert columns["output"]["column"] == names[joint], draft

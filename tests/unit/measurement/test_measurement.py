@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from sound_runs import RATIO, Write, mapping, signals, table
 
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.measurement import datafile
@@ -13,6 +12,7 @@ from mbcdm_cad.measurement.file import load_file
 from mbcdm_cad.measurement.reading import load_measurement, read_run
 from mbcdm_cad.measurement.run import smoothed, smoothed_at
 from mbcdm_cad.rig.experiment import read_experiment
+from tests.unit.measurement.sound_runs import RATIO, Write, mapping, signals, table
 
 
 def with_column(name: str, **fields: Any) -> dict[str, Any]:

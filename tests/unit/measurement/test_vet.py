@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from sound_runs import DRIVE, SENSORS, Write, sound_run, table
 
 from mbcdm_cad.cli import run as mbcdm
 from mbcdm_cad.layouts.registry import layout_of
@@ -21,6 +20,7 @@ from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.measurement.vet import arranged, refusals, vet, vetted_runs, vetting_lines
 from mbcdm_cad.measurement.vet_signals import load_levels, order_left
 from tests.support.bench_data import CASES, simulate_case, write_run
+from tests.unit.measurement.sound_runs import DRIVE, SENSORS, Write, sound_run, table
 
 RUN = sound_run()
 RATIO = float(np.mean(layout_of(DRIVE).si.total_ratio))

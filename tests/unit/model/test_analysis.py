@@ -19,7 +19,6 @@ import pytest
 import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from paper_case import paper_drive
 
 from mbcdm_cad.design.bought import without_gearhead
 from mbcdm_cad.design.drive import Drive
@@ -34,6 +33,7 @@ from mbcdm_cad.model.tolerance import BEYOND_THREE_SIGMA, Contribution, StackUp,
 from mbcdm_cad.report.analysis_report import analyse_design
 from mbcdm_cad.routes.route import two_bearing_reactions_N
 from tests.support.reference import PARAMS
+from tests.unit.model.paper_case import paper_drive
 
 REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 

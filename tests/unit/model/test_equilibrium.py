@@ -10,7 +10,6 @@ import pytest
 import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from paper_case import paper_drive, some_cables, turned_round
 
 from mbcdm_cad.design.bought import CableSpec
 from mbcdm_cad.design.catalogue import package_entries
@@ -27,6 +26,7 @@ from mbcdm_cad.model.stiffness import drum_backlash
 from mbcdm_cad.model.wrap import excess_minus_log, slack_stretch_m, stretch_after_reversal, stretch_first_loading
 from mbcdm_cad.routes import Floats
 from tests.support.clip_grid import simulate_on_grid
+from tests.unit.model.paper_case import paper_drive, some_cables, turned_round
 
 loads = st.floats(-12.0, 12.0)
 preloads = st.lists(st.floats(20.0, 150.0), min_size=4, max_size=4).map(np.array)

@@ -8,7 +8,6 @@ import pytest
 import sympy as sp
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from paper_case import paper_drive
 
 from mbcdm_cad.model import capability, equations
 from mbcdm_cad.model import equations as eq
@@ -17,6 +16,7 @@ from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.model.stiffness import cable_backlash, drum_backlash, implied_modulus_Pa, mean_radii
 from mbcdm_cad.model.wrap import slip_angle_rad
+from tests.unit.model.paper_case import paper_drive
 
 TEST_LOAD = 0.91
 DESIGN_LOAD = 2 * 2.9e-3 * 76 * 9  # 3.967 N m, the sum behind the paper's 3.9

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from paper_case import paper_drive, turned_round
 
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.hysteresis import simulate
@@ -16,6 +15,7 @@ from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.model.stiffness import drum_backlash
 from mbcdm_cad.model.wrap import slack_stretch_m
 from tests.support.clip_grid import simulate_on_grid
+from tests.unit.model.paper_case import paper_drive, turned_round
 
 loads = st.lists(st.floats(-3.0, 3.0), min_size=1, max_size=12)
 

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from paper_case import paper_drive, turned_round
 
 from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.model.analysis import analyse
@@ -25,6 +24,7 @@ from mbcdm_cad.parallel import forks
 from mbcdm_cad.parallel.forks import crew
 from tests.support.checked import of_params
 from tests.support.reference import DRIVE
+from tests.unit.model.paper_case import paper_drive, turned_round
 
 NEED = Requirements(
     load_Nm=0.91,

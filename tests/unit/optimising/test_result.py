@@ -127,6 +127,7 @@ def test_the_lightest_bear_the_papers_peak_torque(name: str) -> None:
     assert found.passes, found.refused or found.failing
 
 
+@pytest.mark.slow
 def test_the_leg_and_the_capstan_pass_and_the_first_of_the_front_is_lighter_than_the_file_as_given() -> None:
     """The leg as given is left out: its open ratio takes ten times as long to size as all others."""
     names = [name for name in OTHERS if name != "leg-aluminium"]

@@ -1,13 +1,16 @@
-"""Cables of the reference design: figures of the mechanism, tangency by independent construction, smooth joints."""
+"""Cables of the reference and of random designs: figures, tangency by independent construction, smooth joints."""
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from itertools import pairwise
-from math import asin, cos, degrees, hypot, pi, radians, sin, sqrt, tau
+from math import asin, atan2, cos, degrees, hypot, pi, radians, sin, sqrt, tau
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from mbcdm_cad.layouts.bevel_transfer import TravelFigures, terminal_gap_mm
 from mbcdm_cad.layouts.miso_bevel.cable_path import (
     axial_walk_mm,
     cable_path,
@@ -18,9 +21,13 @@ from mbcdm_cad.layouts.miso_bevel.cable_path import (
 )
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
+from mbcdm_cad.layouts.miso_bevel.path_figures import path_figures, plan
 from mbcdm_cad.layouts.miso_bevel.stack import band, outward_of
+from mbcdm_cad.model.tensioning import balanced_tension_N
 from mbcdm_cad.routes.curves import Arc, Helix, Line
-from tests.support.smooth_path import self_clearance_mm
+from tests.support.sliced_cables import self_clearance_mm
+
+from .designs import drives, mirrored, reference
 
 # name, landing on the guide, wrap on the guide, sense there, free span, fleet angle: derived from Table 2, p = 0.87.
 ROUTING = [
@@ -263,3 +270,236 @@ def test_the_stop_sits_inside_the_land(drive: BevelDrive) -> None:
 def test_pulleys_that_overlap_are_refused_with_a_sentence(drive: BevelDrive) -> None:
     with pytest.raises(ValueError, match=r"centre distance 18.0 mm must exceed r_g \+ r_m = 18.0 mm for cable_4"):
         winding(replace(drive, centre_distance_mm=18.0), drive.cables[3])
+
+
+@pytest.fixture(scope="module")
+def figures(dims: BevelLayout) -> TravelFigures:
+    return path_figures(dims)
+
+
+def test_tangent_points_lie_on_their_pulleys(drive: BevelDrive, figures: TravelFigures) -> None:
+    for run, c in zip(drive.cables, figures.cables, strict=True):
+        x, y, _ = c.input_contact_mm
+        assert hypot(x - run.input_side * drive.centre_distance_mm, y) == pytest.approx(run.input_radius_mm)
+        assert hypot(*c.guide_landing_mm[:2]) == pytest.approx(run.guide_radius_mm)
+        assert c.transfer_mm == pytest.approx((0.0, run.guide_radius_mm, run.drum_radius_mm), abs=1e-9)
+        assert hypot(c.drum_leaving_mm[0], c.drum_leaving_mm[2]) == pytest.approx(run.drum_radius_mm)
+        plan = np.subtract(c.guide_landing_mm, c.input_contact_mm)[:2]
+        assert float(np.linalg.norm(plan)) == pytest.approx(c.free_span_mm), (
+            f"{c.name}: the span's plan view is Eq. (11)"
+        )
+
+
+def test_wraps_turn_as_the_ratios_say(drive: BevelDrive, figures: TravelFigures) -> None:
+    travel = figures.drum_angle_deg[-1] - figures.drum_angle_deg[0]
+    assert travel == pytest.approx(2 * drive.half_travel_deg)
+    for run, c in zip(drive.cables, figures.cables, strict=True):
+        assert c.drum_wrap_deg[-1] - c.drum_wrap_deg[0] == pytest.approx(run.drum_side * travel)
+        turned = c.input_wrap_deg[-1] - c.input_wrap_deg[0]
+        assert turned == pytest.approx(-run.drum_side * travel * run.drum_radius_mm / run.input_radius_mm)
+        assert min(c.input_wrap_deg) == pytest.approx(360 * drive.dead_turns)
+
+
+def test_walk_and_fleet_angle_along_the_travel(drive: BevelDrive, figures: TravelFigures) -> None:
+    for run, c in zip(drive.cables, figures.cables, strict=True):
+        turned = np.array(figures.drum_angle_deg) * run.drum_radius_mm / run.input_radius_mm / 360
+        assert np.abs(c.axial_walk_mm) == pytest.approx(np.abs(turned) * drive.helix_lead_mm)
+        slope = [degrees(atan2(walk, c.free_span_mm)) for walk in c.axial_walk_mm]
+        assert c.fleet_angle_deg == pytest.approx(slope)
+
+
+def test_lengths_change_by_helix_and_fleet_angle(drive: BevelDrive, figures: TravelFigures) -> None:
+    """What is odd in the angle is the helix longer than its circle; what is even, the slanted span: walk^2/2L.
+
+    The short parabolas that join the slopes add some per cent.
+    """
+    for run, c in zip(drive.cables, figures.cables, strict=True):
+        odd = (c.length_um[-1] - c.length_um[0]) / 2
+        even = (c.length_um[-1] + c.length_um[0]) / 2
+        turned = run.drum_radius_mm / run.input_radius_mm * radians(drive.half_travel_deg)
+        longer = hypot(run.input_radius_mm, drive.helix_lead_mm / tau) - run.input_radius_mm
+        assert odd == pytest.approx(-run.drum_side * turned * longer * 1e3, rel=0.1), f"{c.name}: {odd:.3f} um"
+        slanted = max(c.axial_walk_mm) ** 2 / (2 * c.free_span_mm) * 1e3
+        assert even == pytest.approx(slanted, rel=0.15), f"{c.name}: {even:.3f} um, {slanted:.3f} by the slant"
+
+
+def test_usable_travel_ends_at_the_nearest_limit(figures: TravelFigures) -> None:
+    for limits, end in ((figures.limits_positive, 1), (figures.limits_negative, 0)):
+        angles = [abs(limit.angle_deg) for limit in limits]
+        assert angles == sorted(angles) and abs(figures.usable_deg[end]) == angles[0]
+    assert figures.limits_positive[0].cause == figures.limits_negative[0].cause == "hard stop"
+    assert figures.usable_deg == pytest.approx((-35.25, 35.25))
+
+
+def test_another_limit_takes_over_when_it_is_drawn_in(drive: BevelDrive) -> None:
+    strict = replace(drive, limits=replace(drive.limits, fleet_angle_max_deg=1.0))
+    shorter = path_figures(BevelLayout(strict))
+    assert shorter.limits_positive[0].cause == "fleet angle of cable_4 reaches 1 deg"
+    ends = shorter.usable_deg
+    assert ends == pytest.approx((-23.7, 23.7), abs=0.1), ends
+
+
+def test_limits_are_where_they_are_said_to_be(dims: BevelLayout, figures: TravelFigures) -> None:
+    """Each kind put to the test at its own angle."""
+    drive = dims.drive
+    terminals = {t.cable_name: t for t in dims.drum.tensioners}
+    by_name = {run.name: run for run in drive.cables}
+    kinds = set()
+    for limit in (*figures.limits_positive, *figures.limits_negative):
+        angle = radians(limit.angle_deg)
+        run = next((run for name, run in by_name.items() if name in limit.cause), None)
+        if run is None:
+            continue
+        terminal, w = terminals[run.name], winding(drive, run)
+        wrap = terminal.anchor_rad + run.drum_side * angle
+        kind = limit.cause.replace(run.name, "")
+        kinds.add(kind)
+        if "on the drum ends" in kind:
+            assert wrap == pytest.approx(0.0, abs=1e-12)
+        elif "meets the guide" in kind:
+            assert terminal_gap_mm(dims, terminal, wrap) == pytest.approx(drive.clearances.running_mm)
+        elif "comes round" in kind:
+            assert wrap + atan2(terminal.last_tip, terminal.radius_mm) == pytest.approx(tau)
+        elif "dead turns" in kind:
+            wound = tau * drive.dead_turns + w.reduction * (radians(drive.half_travel_deg) - w.payout * angle)
+            assert wound == pytest.approx(0.0, abs=1e-9)
+        else:
+            path = cable_path(drive, run, pi, 1.0, angle)
+            rise = path.piece("helix").points(np.array([1.0]))[0][2] - run.drum_radius_mm
+            assert degrees(atan2(abs(rise), w.free_span_mm)) == pytest.approx(drive.limits.fleet_angle_max_deg)
+    assert len(kinds) == 5, kinds
+
+
+# The tensioning plan if one cable has another preload than the others.
+
+
+@pytest.mark.parametrize("apart", [0, 1, 2, 3])
+def test_one_cable_at_50_N_is_set_where_the_drum_comes_to_rest(apart: int) -> None:
+    """The last pull leaves the tensions at which the drum balances, by an equilibrium of springs solved here."""
+    drive = reference()
+    cables = tuple(replace(c, preload_N=50.0 if k == apart else 70.0) for k, c in enumerate(drive.cables))
+    lay = BevelLayout(replace(drive, cables=cables))
+    found = plan(lay)
+    length = np.array([path.length_mm for path in lay.cable_paths(0.0)])
+    stiffness = drive.cable.axial_stiffness_N / length * 1e3
+    lever = np.array([-c.drum_side * c.drum_radius_mm * 1e-3 for c in drive.cables])
+    preload = np.array([c.preload_N for c in cables])
+    # T = T0 - k l theta with the sum of l T zero.
+    theta = (lever * preload).sum() / (stiffness * lever**2).sum()
+    expected = preload - stiffness * lever * theta
+    assert found.pulls[-1].tension_N == pytest.approx(expected, rel=0.02)
+    assert abs((lever * balanced_tension_N(stiffness, lever, preload / stiffness)).sum()) < 1e-9
+    assert found.cables[apart].turns_from_slack < min(
+        c.turns_from_slack for k, c in enumerate(found.cables) if k != apart
+    )
+    text = " ".join(step.text for step in lay.assembly_order)
+    assert "50" in text and "nan" not in text.lower()
+    assert all(np.isfinite(v) for c in found.cables for v in (c.finished_m, c.turns_per_N)), asdict(found)
+
+
+FRACTIONS = st.floats(-1.0, 1.0)
+ANCHOR = 2.5  # rad, beyond any travel drawn here
+
+
+def each(drive: BevelDrive, fraction: float) -> list[tuple[BevelRun, float]]:
+    theta = fraction * radians(drive.half_travel_deg)
+    return [(c, theta) for c in drive.cables]
+
+
+@settings(max_examples=60, deadline=None)
+@given(drives(), FRACTIONS)
+def test_every_joint_is_smooth(drive: BevelDrive, fraction: float) -> None:
+    for cable, theta in each(drive, fraction):
+        pieces = cable_path(drive, cable, ANCHOR, 4.0, theta).pieces
+        for (before, a), (after, b) in pairwise(pieces):
+            gap = np.abs(a.points(np.array([1.0]))[0] - b.points(np.array([0.0]))[0]).max()
+            kink = np.linalg.norm(a.tangent(1.0) - b.tangent(0.0))
+            assert gap < 1e-10, f"{cable.name}, {before} to {after}: gap {gap:.3g} mm"
+            assert kink < 1e-7, f"{cable.name}, {before} to {after}: kink {kink:.3g} rad"
+
+
+@settings(max_examples=60, deadline=None)
+@given(drives())
+def test_tangents_cross_between_pulley_and_guide(drive: BevelDrive) -> None:
+    for cable in drive.cables:
+        on_pulley, on_guide = crossing_tangent(drive, cable)
+        w = winding(drive, cable)
+        landing = cable.guide_radius_mm * np.array([np.cos(w.guide_landing_rad), np.sin(w.guide_landing_rad)])
+        assert np.abs(landing - on_guide).max() < 1e-9 * drive.centre_distance_mm
+        assert abs(np.linalg.norm(on_pulley - on_guide) - w.free_span_mm) < 1e-9 * drive.centre_distance_mm
+        # Round the guide in its sense, the wrap ends at the +y point and is less than a turn.
+        end = w.guide_landing_rad + w.guide_sense * w.guide_wrap_rad
+        assert abs((end - pi / 2 + pi) % tau - pi) < 1e-9
+        assert 0 < w.guide_wrap_rad < tau
+
+
+@settings(max_examples=60, deadline=None)
+@given(drives(), FRACTIONS)
+def test_cables_of_eq_1_do_not_stretch(drive: BevelDrive, fraction: float) -> None:
+    """First order: nothing. Second order: the helix's slope on the length wound, and the slope of the span."""
+    lead = drive.helix_lead_mm
+    for cable, theta in each(drive, fraction):
+        path, centred = (cable_path(drive, cable, ANCHOR, 4.0, a) for a in (theta, 0.0))
+        unrolled, r = cable.drum_side * theta * cable.drum_radius_mm, cable.input_radius_mm
+        span = winding(drive, cable).free_span_mm
+        blend = min(2.5 * drive.cable.diameter_mm, 0.3 * span)
+        spans = [span_length(span, -lead / (tau * r), -a / r * lead / tau, blend) for a in (unrolled, 0.0)]
+        expected = unrolled * (1 - hypot(r, lead / tau) / r) + spans[0] - spans[1]
+        change = path.length_mm - centred.length_mm
+        assert abs(change - expected) < 1e-7, f"{cable.name}: {change:.9f} against {expected:.9f} mm"
+
+
+@settings(max_examples=60, deadline=None)
+@given(drives(), FRACTIONS, FRACTIONS)
+def test_winding_is_one_helix_in_the_pulleys_frame(drive: BevelDrive, first: float, second: float) -> None:
+    for cable in drive.cables:
+        seen = []
+        for fraction in (first, second):
+            theta = fraction * radians(drive.half_travel_deg)
+            helix = cable_path(drive, cable, ANCHOR, 4.0, theta).piece("helix")
+            assert isinstance(helix, Helix)
+            turned = theta * cable.drum_radius_mm / cable.input_radius_mm
+            seen.append(
+                (
+                    helix.angle_start - turned,
+                    helix.z_start,
+                    (helix.z_end - helix.z_start) / (helix.angle_end - helix.angle_start),
+                )
+            )
+        assert np.abs(np.subtract(*seen)).max() < 1e-9, f"{cable.name}: {seen}"
+
+
+@settings(max_examples=40, deadline=None)
+@given(drives())
+def test_fleet_angle_is_that_of_the_steepest_span(drive: BevelDrive) -> None:
+    half = radians(drive.half_travel_deg)
+    for cable in drive.cables:
+        span = winding(drive, cable).free_span_mm
+        slopes = [abs(axial_walk_mm(drive, cable, f * half)) / span for f in np.linspace(-1, 1, 41)]
+        assert abs(fleet_angle_deg(drive, cable) - degrees(atan2(max(slopes), 1.0))) < 1e-9
+
+
+@settings(max_examples=40, deadline=None)
+@given(drives(), FRACTIONS)
+def test_the_mirror_image_is_the_mirror_image(drive: BevelDrive, fraction: float) -> None:
+    """x -> -x with the drum turned the other way."""
+    other = mirrored(drive)
+    for (cable, theta), twin in zip(each(drive, fraction), other.cables, strict=True):
+        here = cable_path(drive, cable, ANCHOR, 4.0, theta).sample(2.0)
+        there = cable_path(other, twin, ANCHOR, 4.0, -theta).sample(2.0)
+        assert np.abs(here * [-1, 1, 1] - there).max() < 1e-9, cable.name
+
+
+@settings(max_examples=40, deadline=None)
+@given(drives(), FRACTIONS)
+def test_wrapped_pieces_keep_their_radius(drive: BevelDrive, fraction: float) -> None:
+    for cable, theta in each(drive, fraction):
+        path = cable_path(drive, cable, ANCHOR, 4.0, theta)
+        drum = path.piece("drum")
+        assert isinstance(drum, Arc)
+        points = drum.points(np.linspace(0, 1, 9))
+        assert np.abs(np.hypot(points[:, 0], points[:, 2]) - cable.drum_radius_mm).max() < 1e-9
+        assert np.abs(points[:, 1] - cable.guide_radius_mm).max() < 1e-12
+        around = path.piece("guide").points(np.linspace(0, 1, 9))
+        assert np.abs(np.hypot(around[:, 0], around[:, 1]) - cable.guide_radius_mm).max() < 1e-9
+        assert np.abs(around[:, 2] - cable.drum_radius_mm).max() < 1e-12

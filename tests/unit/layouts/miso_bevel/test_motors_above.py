@@ -23,20 +23,13 @@ from mbcdm_cad.parts.bodies import screw_places
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM
 from mbcdm_cad.solving.question import question_of
 from mbcdm_cad.solving.solve import solve
-from tests.support.checked import failing
+from tests.support.checked import failing, short_file
 
 SIDES = ("below", "above")
 
 
 def design(changes: dict[str, Any] | None = None) -> LoadedDesign:
-    data: dict[str, Any] = {
-        "name": "raised",
-        "configuration": "miso_bevel",
-        "travel": {"half_angle_deg": 35.0},
-        "transmission": {"ratio": 9.0, "drum_radius_mm": 54.0},
-        "loads": {"peak_torque_Nm": 3.15},
-        "drive": {"motor_side": "above"},
-    }
+    data = short_file("miso_bevel", 35.0, 9.0, 54.0, 3.15, drive={"motor_side": "above"})
     for block, fields in (changes or {}).items():
         data.setdefault(block, {}).update(fields)
     data["drive"] = {name: value for name, value in data["drive"].items() if value is not None}
@@ -242,15 +235,7 @@ def test_the_rule_puts_motors_above_where_the_stated_distance_has_no_room_below(
 
 def test_solve_may_put_the_motors_above() -> None:
     """No bearing fits below, where the smaller step of the pulley is next to the gearhead, and one does above."""
-    text = yaml.safe_dump(
-        {
-            "name": "slow",
-            "configuration": "miso_bevel",
-            "travel": {"half_angle_deg": 28.5},
-            "transmission": {"ratio": 16.8, "drum_radius_mm": 62.3},
-            "loads": {"peak_torque_Nm": 0.861},
-        }
-    )
+    text = yaml.safe_dump(short_file("miso_bevel", 28.5, 16.8, 62.3, 0.861))
     assert "bearing_shoulders" in failing(load_text(text))
     found = solve(question_of(text), jobs=1)
     assert found.data is not None and found.data["drive"] == {"motor_side": "above"}

@@ -16,7 +16,7 @@ from mbcdm_cad.layouts.siso_spur.bill import bill
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.support.stiffness import frame_compliance
 from tests.support.checked import failing
-from tests.support.smooth_path import assert_joined
+from tests.support.sliced_cables import assert_joined
 
 ROOT = Path(__file__).parents[4]
 Made = Callable[[int], SpurDrive]

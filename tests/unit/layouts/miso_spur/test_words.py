@@ -14,8 +14,7 @@ from mbcdm_cad.layouts.siso_spur.support.stiffness import frame_compliance
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.routes.route import body_load
 from mbcdm_cad.workshop.kernel import location, validate_solid
-from tests.support.checked import failing, result
-from tests.support.held import held_rad
+from tests.support.checked import failing, held_rad, result
 
 TEXT = """\
 name: words

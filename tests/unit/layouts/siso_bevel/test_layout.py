@@ -22,7 +22,7 @@ from mbcdm_cad.layouts.siso_bevel.support.stiffness import frame_compliance, sea
 from mbcdm_cad.model.stiffness import unit_tensions_N
 from mbcdm_cad.workshop.kernel import bounding_box
 from tests.support.checked import failing
-from tests.support.smooth_path import assert_joined
+from tests.support.sliced_cables import assert_joined
 
 ROOT = Path(__file__).parents[4]
 

@@ -29,8 +29,7 @@ from mbcdm_cad.model.losses import MOTOR
 from mbcdm_cad.report.analysis_report import analyse_design
 from mbcdm_cad.report.losses import stage_figures
 from mbcdm_cad.workshop.kernel import location, validate_solid
-from tests.support.checked import failing, results
-from tests.support.held import held_rad
+from tests.support.checked import failing, held_rad, results
 
 TEXT = """\
 name: series

@@ -33,7 +33,7 @@ from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.route import Span, Wrap, body_load
 from mbcdm_cad.workshop.kernel import location, validate_solid
 from tests.support.checked import failing, result, results
-from tests.support.smooth_path import assert_joined
+from tests.support.sliced_cables import assert_joined
 
 TEXT = """\
 name: led

@@ -24,8 +24,7 @@ from mbcdm_cad.layouts.turns import turns_at
 from mbcdm_cad.measurement.loads import parts_seen
 from mbcdm_cad.measurement.schema import CountedParts
 from mbcdm_cad.parts.coupling import Belt, Wheel, collar_sweep_mm
-from tests.support.checked import results
-from tests.support.held import held_rad
+from tests.support.checked import held_rad, results
 
 TEXT = """\
 name: staged
