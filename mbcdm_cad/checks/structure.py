@@ -198,6 +198,11 @@ def stiffness(s: SectorLayout) -> Comparison:
     return at_least(what, found, wanted, "N m/rad", note)
 
 
+def most_share(s: SectorLayout) -> float:
+    """Turn of the structure over that of the cables beyond which a design that asks for no stiffness is warned of."""
+    return SOFT_PRINTED if s.printed_frame or s.drive.drum_material.printed else SOFT
+
+
 @check(
     "Structure's turn over the cables' turn",
     "loads.structure_share, else a warning beyond 2.5, printed 5: more than rules leave; compliance by cause",
@@ -210,8 +215,7 @@ def stiffness(s: SectorLayout) -> Comparison:
 )
 def structure_share(s: SectorLayout) -> Comparison:
     """Turn of the payload by all parts besides the cables over that by the cables, the inputs held."""
-    structure, printed = structure_of(s), s.printed_frame or s.drive.drum_material.printed
-    most = s.drive.loads.structure_share or (SOFT_PRINTED if printed else SOFT)
+    structure, most = structure_of(s), s.drive.loads.structure_share or most_share(s)
     softest, cables = max(structure.at_payload, key=lambda c: c.urad_Nm), structure.cables_urad_Nm
     note = f"{structure.payload_urad_Nm:.4g} over {cables:.4g} urad/N m, most by {softest.name}, {softest.urad_Nm:.4g}"
     return at_most("turn of the structure over that of the cables", structure.over_cables, most, "", note)

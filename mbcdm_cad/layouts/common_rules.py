@@ -4,11 +4,10 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from mbcdm_cad.checks.drum_sector import STOP_WINDOW_DEG
-from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.design.rules import Broken, broken_ends
 from mbcdm_cad.sizing.known import KnownFields, RopeKnown
-from mbcdm_cad.sizing.rule import Found, constant, driver_of, rule, significant
+from mbcdm_cad.sizing.rule import Found, constant, rule, significant
 
 # Least D/d in the rope makers' tables of wire rope; they state no life below it.
 LEAST_WIRE_RATIO = 10.0
@@ -48,7 +47,7 @@ def end_share(given: KnownFields, usual: float) -> float:
     return usual if end is None else min(usual, float(end["strength_share"]))
 
 
-def ropes_to_choose(given: KnownFields) -> list[tuple[float, str, float]]:
+def ropes_to_choose(given: RopeKnown) -> list[tuple[float, str, float]]:
     """(diameter in mm, name, breaking load in N) of the ropes that rules may choose, the thinnest first.
 
     They are of the usual construction, the one with thinner wires where the file asks for a life; ends by name that are
@@ -62,6 +61,7 @@ def ropes_to_choose(given: KnownFields) -> list[tuple[float, str, float]]:
         for name, entry in given.entries("ropes").items()
         if entry["construction"] == kind
     )
+    ropes = [rope for rope in ropes if rope[0] >= given.least_rope_mm] or ropes
     if end is None:
         return ropes
     return [rope for rope in ropes if end["smallest_mm"] <= rope[0] <= end["largest_mm"]] or ropes
@@ -103,18 +103,6 @@ def friction(given: RopeKnown) -> float:
 @rule(at.loads.test_torque_Nm, "0.3 of the peak torque", "loads")
 def test_torque(given: KnownFields) -> float:
     return significant(TEST_SHARE * given[at.loads.peak_torque_Nm], 2)
-
-
-@rule(
-    at.clearances.transfer_gap_mm,
-    "half the rope's diameter less the edge margin of the land and a broken edge",
-    "transfer_gap",
-)
-def transfer_gap(given: RopeKnown) -> Found:
-    """Half a rope minus the land's edge margin and the chamfer, mm, but at least the run-out."""
-    wide = given.d_mm / 2 - given[at.clearances.land_edge_mm] - EDGE_BREAK_MM
-    driver = driver_of({"bodies_clear": RUN_OUT_MM, "transfer_gap": wide}, max)
-    return Found(round(max(wide, RUN_OUT_MM), 4), driver)
 
 
 def needed(field: str, remedy: str) -> Broken:

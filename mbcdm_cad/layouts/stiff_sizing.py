@@ -24,6 +24,7 @@ from pydantic import ValidationError
 from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.checks.run import bounds
 from mbcdm_cad.checks.size import kept_mass_g
+from mbcdm_cad.checks.structure import most_share
 from mbcdm_cad.design.blocks import Design
 from mbcdm_cad.design.drive import Drive, met
 from mbcdm_cad.design.paths import at
@@ -49,6 +50,8 @@ _TRIED, _MOST = 1.1, 2.5
 _LEAST_SHARE, _LEAST_GAIN, _LEAST_ROUND, _MUCH = 0.03, 0.004, (0.01, 0.03), -0.1
 # What is aimed at beyond a figure, for rounding. Least % of mass that 1 % of a value counts with.
 _SPARE, _LEAST_COST = 1.01, 1e-6
+# Share by a fine mesh over that by the rough one, at most.
+_OFF_ROUGH = 1.04
 # Turn that counts as none, urad/N m; share of a drum's turn in its plane from which on bending out of it is left out.
 _NO_TURN, _FLAT = 1e-9, 0.93
 _NO_DRIVE = (NoFigureError, ValueError, ZeroDivisionError)
@@ -167,10 +170,15 @@ _PANELS = {
 }
 
 
+# Largest multiples of what their rules give. A back plate of more than 12 mm, printed 21 mm, is a block: folded plates
+# do not describe it, and it warps when it is printed (a choice).
+_THICKEST = {"back_plate": 3.0, "plate": 5.0, "bridge": 5.0, "side_wall": 5.0, "rib": 5.0}
+
+
 def walls(*fields: str) -> tuple[Stiffener, ...]:
     """Walls of the frame, by the names of its panels in its study."""
     return tuple(
-        Stiffener(f"support.{field}_mm", tuple(f"{FRAME}: {panel}" for panel in _PANELS[field]), 5.0)
+        Stiffener(f"support.{field}_mm", tuple(f"{FRAME}: {panel}" for panel in _PANELS[field]), _THICKEST[field])
         for field in fields
     )
 
@@ -324,7 +332,7 @@ class _Run:
         self.weighs = not self.ends[0].field
         # More metal makes no check by finite elements fail.
         self._unjudged = BY_ELEMENTS - {WINDUP} if self.weighs else _OWN
-        self._left = float(_SIZINGS if self.weighs else _SIZINGS_TO_FIGURE)
+        self.left = float(_SIZINGS if self.weighs else _SIZINGS_TO_FIGURE)
         # Largest and least factors, nearer to 1 where a farther one was refused.
         self._bounds = {s.field: (1.0, s.most) for s in stiffeners}
         self._refused, self._effects = list[str](), dict[str, _Effect]()
@@ -353,7 +361,7 @@ class _Run:
         """The record of a value that is another one than by its rule."""
         if value.value == by_rule:
             return value
-        stated = {end.field: KnownFields(self._data).get(end.field) for end in self.ends if end.field and not end.of}
+        stated = {end.field: KnownFields(self._data).get(end.field) for end in self.ends if "." in end.field}
         driver, how, why = "stiffness", "raised for the stiffness", " and ".join(stated) or PRICE
         if value.field in self._for_frame:
             driver, how, why = WINDUP, "raised for the frame", WINDUP
@@ -462,7 +470,7 @@ class _Run:
     def taken(self, drive: _Weighed, factors: Mapping[str, float], end: _End, promised: float) -> _Weighed:
         """The drive with the factors where they pay and fail no other check; else the farthest gets a nearer limit."""
         found, whole = None, {**drive.factors, **factors}
-        self._left -= _OF_FRAME if end.of else 1.0
+        self.left -= _OF_FRAME if end.of else 1.0
         with suppress(SizingError):
             found = self.drive(whole, self.sized(whole, drive.sizing))
         pays, failing = found is None or found.better(end, drive), set[str]()
@@ -515,7 +523,7 @@ class _Run:
 
     def stiffer(self, drive: _Weighed) -> _Weighed:
         """The drive raised until its ends are reached, or nothing pays any more."""
-        while self._left > 0:
+        while self.left > 0:
             steps = (self.proposed(drive, end) for end in self.ends if drive.left(end))
             end, factors, promised = next(filter(itemgetter(1), steps), (None, {}, 0.0))
             if end is None or (not end.field and promised > -_LEAST_ROUND[bool(drive.factors)]):
@@ -571,7 +579,13 @@ def stiffened(
     run.ends = (_End(WINDUP, lambda turn, cables: turn <= limit, of=f"{FRAME}: "), *run.ends)
     if eases and run.weighs and plain.of(PRELOAD) and (data.get("loads") or {}).get("backdrive_Nm") is not None:
         drive = run.eased(drive)
-    return run.stiffer(drive).sizing
+    drive, most = run.stiffer(drive), most_share(drive.layout) / _OFF_ROUGH
+    within = _End("structure_share", lambda turn, cables: turn <= most * cables, share=True)
+    if run.weighs and run.ends[-1].most_g == inf and drive.left(within):
+        # Where least mass times turn leaves a structure that is warned of, it is made as stiff as that asks.
+        run.ends, run.left = (within,), _SIZINGS
+        drive = run.stiffer(drive)
+    return drive.sizing
 
 
 def _turns(found: SectorLayout, drum: DrumStructure) -> dict[str, float]:

@@ -153,6 +153,11 @@ class RopeKnown(KnownFields):
         """Whether the drum is closed all round."""
         return False
 
+    @property
+    def least_rope_mm(self) -> float:
+        """Diameter of the thinnest rope that rules choose."""
+        return 0.0
+
     def screw(self, name: str) -> Screw:
         """A screw of the catalogue."""
         return Screw(name=name, **self.entries("screws")[name])

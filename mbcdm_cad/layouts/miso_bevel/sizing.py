@@ -3,20 +3,19 @@
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
-from itertools import pairwise
 from math import asin, degrees, hypot, pi, radians, sqrt, tan
 from typing import Any
 
 from mbcdm_cad.checks.design_variables import ALL_RADII
 from mbcdm_cad.checks.geometry import CABLE_GAP_MM
 from mbcdm_cad.checks.terminals import TERMINAL_GAP_MM
-from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
 from mbcdm_cad.design.bought import NO_GEARHEAD
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Freedom, SizingError
 from mbcdm_cad.layouts import common_freedoms, common_rules, head_dims
 from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.layouts.bevel_sizing import RADII, TransferKnown, land_edge, outer_face, transfer_gap
 from mbcdm_cad.layouts.head_basis import (
     LIMITS,
     METALS,
@@ -35,13 +34,13 @@ from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.support.dims import HEAD_ROOM_MM
 from mbcdm_cad.layouts.open_ratio import SizingRules
 from mbcdm_cad.layouts.stiff_sizing import SHARED, bearing, walls
-from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, TrialKnown
+from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE
 from mbcdm_cad.parts.drum_sector.dims import SCREWS
 from mbcdm_cad.parts.fits import MOUNT_SCREWS
-from mbcdm_cad.sizing.rule import Found, Rule, constant, driver_of, rounded_down, rounded_up, rule
+from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_down, rounded_up, rule
 
 STEPS = 4
-RADII, RATIO, TO_DRUM = at.transmission.drum_radii_mm, at.transmission.ratio, "transmission.ratios.guide_to_drum"
+RATIO, TO_DRUM = at.transmission.ratio, "transmission.ratios.guide_to_drum"
 DISTANCE, SETBACK = at.transmission.centre_distance_mm, at.transmission.input_setback_mm
 # What a trial moves in place of radii and ratio: the step from one drum radius to the next, and the guide's step 1.
 STEP, GUIDE = "transmission.step_mm", "transmission.guide_radius_mm"
@@ -69,7 +68,7 @@ SPAN_SPARE, LEAD_SPARE = 1.01, 0.008
 WIDEST_DEG, TURN_STEP_DEG = 170.0, 15.0
 
 
-class BevelKnown(TrialKnown):
+class BevelKnown(TransferKnown):
     """Adds the radii of drum, guide and inputs."""
 
     layout = BevelLayout
@@ -135,11 +134,14 @@ class BevelKnown(TrialKnown):
         )
 
     @property
-    def drum_mm(self) -> float:
-        """Pitch radius of the drum's step 1."""
-        if self.has(RADII):
-            return float(self[RADII][0])
-        return float(self[at.transmission.drum_radius_mm])
+    def before_drum_mm(self) -> list[float]:
+        """Pitch radii of the guide."""
+        return self.guide_radii_mm
+
+    @property
+    def states_lands(self) -> bool:
+        """See the base class."""
+        return self.has(RADII) and (self.has(TO_DRUM) or not _needs_ratios(self))
 
     @property
     def half_torque_N(self) -> float:
@@ -229,15 +231,6 @@ def preload(given: BevelKnown) -> Found:
     less = [float(f"{usual.value * share:.2g}") for share in PRELOAD_SHARES]
     found = given.first(at.rope.preload_N, [usual.value, *less], ("cable_ends", "tension"))
     return usual if found.value == usual.value else found
-
-
-@rule(at.clearances.land_edge_mm, "a broken edge and the run-out, less for a thin rope or stated steps", "land_edge")
-def land_edge(given: BevelKnown) -> Found:
-    needs = {"land_edge": EDGE_BREAK_MM + RUN_OUT_MM, "bodies_clear": given.d_mm / 2 - RUN_OUT_MM}
-    if given.has(RADII) and (given.has(TO_DRUM) or not _needs_ratios(given)):
-        rise = min(b - a for a, b in pairwise(given.guide_radii_mm))
-        needs["land_width"] = rounded_down(rise - given.d_mm / 2, 0.001)
-    return Found(round(max(min(needs.values()), EDGE_BREAK_MM), 4), driver_of(needs, min))
 
 
 @rule(RADII, "equal steps, the least for the lands, the walk on the inputs and the terminals", "input_walk")
@@ -407,15 +400,6 @@ def sector(given: BevelKnown) -> Found:
     return given.moved(at.drum.sector_half_angle_deg, start, 0.5, checks)
 
 
-@rule(at.drum.outer_face_y_mm, "least width for lands and terminals", "outer_face")
-def outer_face(given: BevelKnown) -> Found:
-    checks = (
-        *("outermost_land", "land_thickness", "outer_face", "terminals_apart", "lands_intact", "lug_stress"),
-        "web_in_rim",
-    )
-    return given.moved(at.drum.outer_face_y_mm, max(given.guide_radii_mm), 0.1, checks)
-
-
 @rule(SETBACK, "the least with which drum and terminals clear the drives", "drum_sweep")
 def setback(given: BevelKnown) -> Found:
     return given.moved(SETBACK, 0.0, 0.1, ("drum_sweep", "front_wall"))
@@ -520,7 +504,7 @@ OWN = (
     constant(at.guide.material, "aluminium-7075", "light; the part is turned", "process"),
     constant(at.guide.axle_material, "steel", "made from ground bar", "process"),
 )
-RADII_RULES = (land_edge, common_rules.transfer_gap, guide_to_drum, drum_radii, input_to_guide, surface, lead)
+RADII_RULES = (land_edge, transfer_gap, guide_to_drum, drum_radii, input_to_guide, surface, lead)
 _SHELF = ("bearing_shelf", "walls", "hole_webs")
 _PLATE = ("top_plate", "walls", "hole_webs", "engagement")
 HEIGHTS = (
@@ -546,7 +530,7 @@ RULES: tuple[Rule, ...] = (
 )
 DERIVED = tuple(
     one.field
-    for one in (lead, land_edge, common_rules.transfer_gap, *FRAME, *DRUM, setback, back, hub_face)
+    for one in (lead, land_edge, transfer_gap, *FRAME, *DRUM, setback, back, hub_face)
     if one not in (head_dims.WINDOWS, output_screws)
 )
 # A larger bearing of the drum has a wider boss, between whose walls the ribs of the column stand.

@@ -7,13 +7,13 @@ from contextlib import suppress
 from math import ceil
 from typing import Any
 
-from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Freedom
 from mbcdm_cad.layouts import common_freedoms, head_dims
 from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.layouts.common_rules import SCHEMA_VERSION, half_travel, missing_travel, needed, transfer_gap
+from mbcdm_cad.layouts.bevel_sizing import RADII, TransferKnown, land_edge, outer_face, transfer_gap
+from mbcdm_cad.layouts.common_rules import SCHEMA_VERSION, half_travel, missing_travel, needed
 from mbcdm_cad.layouts.head_basis import LIMITS, METALS, ROPE_LIMITS, TRAIN, rope, taut_preload, taut_rope
 from mbcdm_cad.layouts.head_parts import PARTS
 from mbcdm_cad.layouts.open_ratio import SizingRules
@@ -22,7 +22,7 @@ from mbcdm_cad.layouts.siso_bevel.design_file import REFERENCE
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.layouts.stiff_sizing import SHARED, walls
-from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, TrialKnown
+from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE
 from mbcdm_cad.parts.fits import MOUNT_SCREWS
 from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up, rule
 
@@ -58,12 +58,6 @@ def _ratio(given: DirectKnown) -> Found:
 )
 def _reserve(given: DirectKnown) -> Found:
     return given.first(at.transmission.reserve_deg, RESERVES_DEG, ("input_under_turn",))
-
-
-@rule(at.clearances.land_edge_mm, "a broken edge and the run-out, or less for a thin rope", "land_edge")
-def land_edge(given: DirectKnown) -> Found:
-    wanted, limit = EDGE_BREAK_MM + RUN_OUT_MM, given.d_mm / 2 - RUN_OUT_MM
-    return Found(round(max(min(wanted, limit), EDGE_BREAK_MM), 4), "land_edge")
 
 
 @rule(at.transmission.drum_radii_mm, "step 1 as stated; step 2 the smallest that the lands allow", "land_width")
@@ -105,19 +99,6 @@ def back(given: DirectKnown) -> Found:
     return given.moved(at.support.back_y_mm, start, -0.5, checks)
 
 
-def _outer_face(given: DirectKnown) -> Found:
-    checks = (
-        "outermost_land",
-        "land_thickness",
-        "outer_face",
-        "terminals_apart",
-        "lands_intact",
-        "lug_stress",
-        "web_in_rim",
-    )
-    return given.moved(at.drum.outer_face_y_mm, given.drum_mm / given.ratio, 0.1, checks)
-
-
 NAMES = (
     SCHEMA_VERSION,
     constant("inputs", REFERENCE.inputs, "one", "the configuration"),
@@ -139,10 +120,10 @@ FRAME = (
     head_dims.coupling_space,
     _side_wall,
 )
-DRUM = head_dims.drum_rules("least width for lands and terminals", _outer_face)
+DRUM = head_dims.drum_rules(outer_face.text, outer_face.value)
 
 
-class DirectKnown(TrialKnown):
+class DirectKnown(TransferKnown):
     """Adds the values of an input at the drum."""
 
     layout = DirectLayout
@@ -158,11 +139,14 @@ class DirectKnown(TrialKnown):
     own_checks: Mapping[str, tuple[str, ...]] = {at.input_pulleys.lower_bearing: ("bearing_seats",)}
 
     @property
-    def drum_mm(self) -> float:
-        """Pitch radius of the drum's step 1."""
-        if self.has(at.transmission.drum_radii_mm):
-            return float(self[at.transmission.drum_radii_mm][0])
-        return float(self[at.transmission.drum_radius_mm])
+    def before_drum_mm(self) -> list[float]:
+        """Pitch radii of the input."""
+        return [radius / self.ratio for radius in self[RADII]]
+
+    @property
+    def states_lands(self) -> bool:
+        """See the base class."""
+        return self.has(RADII)
 
     @property
     def ratio(self) -> float:
