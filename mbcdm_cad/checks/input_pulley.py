@@ -36,11 +36,6 @@ def dead_turns(s: SectorLayout) -> Comparison:
     return at_least("dead turns on the input pulleys", s.drive.dead_turns, DEAD_TURNS, "turns")
 
 
-def dead_turns_check(adjust: tuple[Adjustment, ...]) -> Check:
-    """The check; ``adjust``: the configuration's variables that leave more on the pulley."""
-    return dead_turns.but(adjust=adjust)
-
-
 def _of_thinner_walls(s: SectorLayout) -> str:
     """Advice to choose steel or brass, if the pulleys are of a material that needs thicker walls."""
     own, steel = s.drive.pulley_material, s.drive.material("steel")

@@ -6,15 +6,18 @@ The transfer point of a cable is (0, r, r_o), r its radius on the body before th
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
-from math import asin, atan2, cos, degrees, hypot, sin, tau
+from math import asin, atan2, ceil, cos, degrees, floor, hypot, sin, sqrt, tau
 from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
-from mbcdm_cad.checks.transfer import MORE_WRAP, SLIPS, WRAPS
+from mbcdm_cad.checks.comparison import Check, Comparison, Findings, at_least, at_most, check, worst
+from mbcdm_cad.checks.ratios import SURFACE_TOLERANCE_MM
+from mbcdm_cad.checks.transfer import MORE_WRAP, SLIPS, WRAPS, Stacks, TransferStacks, stack_check
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.model.tensioning import TensionedCable
+from mbcdm_cad.model.tolerance import tightest
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.terminal import Tensioner, highest_preload_N
 from mbcdm_cad.routes.curves import Arc, CablePath, EndOfTravel, Line, Piece, triple
@@ -120,4 +123,61 @@ def tensioned(
         pieces=((t.swage_start * 1e-3, 0.0), (c.drum_radius_mm * t.anchor_rad * 1e-3, t.anchor_rad), *before_drum),
         spans_m=spans_m,
         travel_m=t.travel * 1e-3,
+    )
+
+
+@check(
+    "Surfaces are cut half a cable inside the pitch radii",
+    "derived from paper Table 2, which gives pitch radii",
+    advice="the layout cuts at r - d/2; this fails only if that is changed",
+)
+def cut_at_pitch(s: SectorLayout) -> Findings:
+    """The layout cuts every surface at the pitch radius less d/2, so that all cables keep one ratio."""
+    on_input = {
+        slot.cable_name: surface
+        for pulley in s.inputs
+        for slot, surface in zip(pulley.slots, (pulley.lower_surface_radius, pulley.upper_surface_radius), strict=True)
+    }
+    cut, ratios = list[tuple[str, float, float]](), list[str]()
+    for c, (before, _), land in zip(s.steps, s.steps_before_drum, s.drum.lands, strict=True):
+        cut.append((f"{s.before_drum}, {c.name}", before, c.land_y_mm))
+        cut.append((f"drum, {c.name}", land.surface_radius_mm, c.drum_radius_mm))
+        cut.append((f"input pulley, {c.name}", on_input[c.name], c.input_radius_mm))
+        ratios.append(f"{(land.surface_radius_mm + s.flank_mm) / (on_input[c.name] + s.flank_mm):.6g}")
+    for name, surface, pitch in cut:
+        what, off = f"surface of {name} from pitch radius less d/2", abs(surface + s.flank_mm - pitch)
+        note = f"total ratios at the cables' centre lines {', '.join(ratios)}"
+        yield at_most(what, off, SURFACE_TOLERANCE_MM, "mm", note)
+
+
+def _wider_or_closer(of: Stacks, widen: str, gain: float, s: Any) -> str:
+    """Advice: the increase of the gap, or the closer tolerance of the costliest part; no search, as all is linear."""
+    stack = tightest(of(s))
+    most = stack.costliest
+    others = stack.rss**2 - most.shift**2
+    room = f"{widen} by {ceil(-stack.spare / gain * 1e4) / 1e4:g} mm"
+    left = stack.margin**2 - others if stack.margin > 0.0 else -1.0
+    if left <= 0.0:
+        return f"{room}; no single tolerance held closer is enough"
+    closer = floor(sqrt(left) / abs(most.per_unit) * 1e4) / 1e4
+    return f"{room} or hold the {most.name} to {closer:g} mm instead of {most.tolerance:.4g}"
+
+
+def toleranced(name: str, title: str, of: Stacks, widen: str, gain: float = 1.0) -> Check:
+    """The check of a gap against the tolerances that change it; ``gain``: of the gap for each mm of ``widen``."""
+    return stack_check(name, f"{title} with tolerances", of, partial(_wider_or_closer, of, widen, gain))
+
+
+def transfer_stacks(of: TransferStacks) -> tuple[Check, ...]:
+    """Those of the gap between drum and body before it."""
+    edge, gap = at.clearances.land_edge_mm, at.clearances.transfer_gap_mm
+    return (
+        toleranced("transfer_gap", "Transfer gap stays under half a cable", of.gap, f"lower {gap}, or raise {edge},"),
+        toleranced(
+            "bodies_clear",
+            f"{of.body.capitalize()} and drum do not touch",
+            of.bodies_clear,
+            f"raise {gap}, or lower {edge},",
+        ),
+        toleranced("land_edge", "Contact lines stay on their lands", of.land_edge, f"raise {edge}, or lower {gap},"),
     )

@@ -12,26 +12,13 @@ from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import cables_apart, corner_gap, drum_zones, frame_front, rim_points, wrap_points
 from mbcdm_cad.checks.input_pulley import pulley_checks
 from mbcdm_cad.checks.motor_head import boss_walls, encoder_shelf
-from mbcdm_cad.checks.ratios import (
-    SURFACE_TOLERANCE_MM,
-    anchor_bend,
-    bending_checks,
-    pair_mismatch,
-    spread,
-    surface_radius,
-)
+from mbcdm_cad.checks.ratios import anchor_bend, bending_checks, pair_mismatch, spread, surface_radius
 from mbcdm_cad.checks.run import floored
 from mbcdm_cad.checks.size import box_checks, mass_estimate
 from mbcdm_cad.checks.terminals import bodies_of
-from mbcdm_cad.checks.transfer import (
-    TransferStacks,
-    ratio_contributions,
-    stack_check,
-    transfer_checks,
-    transmission_error,
-)
+from mbcdm_cad.checks.transfer import TransferStacks, ratio_contributions, transfer_checks, transmission_error
 from mbcdm_cad.design.paths import at
-from mbcdm_cad.layouts.bevel_transfer import wrap_checks
+from mbcdm_cad.layouts.bevel_transfer import cut_at_pitch, transfer_stacks, wrap_checks
 from mbcdm_cad.layouts.siso_bevel.cable_path import full_input_turn_deg, taken_rad
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
@@ -60,29 +47,6 @@ def _radii_that_agree(s: DirectLayout) -> str:
 def eq1_one_ratio(s: DirectLayout) -> Comparison:
     """r_m/r_o is the same for both steps."""
     return spread("r_m/r_o", [c.input_radius_mm / c.drum_radius_mm for c in s.steps], s.steps)
-
-
-@check(
-    "Surfaces are cut half a cable inside the pitch radii",
-    "derived from paper Table 2, which gives pitch radii",
-    advice="the layout cuts at r - d/2; this fails only if that is changed",
-)
-def cut_at_pitch(s: DirectLayout) -> Findings:
-    """The layout cuts every surface at the pitch radius less d/2, so that both cables keep one ratio."""
-    pulley = s.inputs[0]
-    on_input = (pulley.upper_surface_radius, pulley.lower_surface_radius)
-    cut = [
-        pair
-        for c, land, surface in zip(s.steps, s.drum.lands, on_input, strict=True)
-        for pair in (
-            (f"drum, {c.name}", land.surface_radius_mm - c.drum_radius_mm),
-            (f"input pulley, {c.name}", surface - c.input_radius_mm),
-        )
-    ]
-    for name, off in cut:
-        yield at_most(
-            f"surface of {name} from pitch radius less d/2", abs(off + s.flank_mm), SURFACE_TOLERANCE_MM, "mm"
-        )
 
 
 def _ratio_that_fits(s: DirectLayout) -> str:
@@ -334,7 +298,6 @@ def box_mm(s: DirectLayout) -> tuple[float, float, float]:
 
 _RADII = up("all radii of transmission")
 _LARGER = (down(at.transmission.input_to_drum), down("rope diameter_mm"), _RADII)
-_CLOSER = "lower clearances.transfer_gap_mm, or raise clearances.land_edge_mm"
 _X = (down(at.drum.sector_half_angle_deg), up(at.drum.sector_half_angle_deg))
 _Z = (down(at.support.coupling_space_mm), up(at.support.coupling_space_mm))
 _Y = (down(at.drum.hub_face_y_mm), up(at.drum.hub_face_y_mm), up(at.support.back_y_mm))
@@ -364,22 +327,7 @@ FAMILIES = families(
     ),
     Family(
         "Gaps at the transfer compared with the tolerances of the parts, and the transmission error.",
-        (
-            stack_check("transfer_gap", "Transfer gap stays under half a cable with tolerances", _INPUT.gap, _CLOSER),
-            stack_check(
-                "bodies_clear",
-                "Input and drum do not touch with tolerances",
-                _INPUT.bodies_clear,
-                "raise clearances.transfer_gap_mm, or lower clearances.land_edge_mm",
-            ),
-            stack_check(
-                "land_edge",
-                "Contact lines stay on their lands with tolerances",
-                _INPUT.land_edge,
-                "raise clearances.land_edge_mm, or lower clearances.transfer_gap_mm",
-            ),
-            transmission_error,
-        ),
+        (*transfer_stacks(_INPUT), transmission_error),
     ),
     Family(
         "Wrap on the drum over the travel: more than zero, less than a turn, clear of the input, compared with the "

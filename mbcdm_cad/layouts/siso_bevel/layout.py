@@ -6,16 +6,15 @@ from functools import cached_property
 from mbcdm_cad.checks import design_variables
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import Conventions, dimensions
-from mbcdm_cad.layouts.sector import HeadLayout
-from mbcdm_cad.layouts.siso_bevel.cable_path import longest_mm
+from mbcdm_cad.layouts.sector import HeadLayout, coupled_pulley
+from mbcdm_cad.layouts.siso_bevel.cable_path import longest_mm, stop_of
 from mbcdm_cad.layouts.siso_bevel.drive import ColumnSupport, DirectDrive, DirectRun
-from mbcdm_cad.layouts.siso_bevel.pulley import input_pulley
 from mbcdm_cad.layouts.siso_bevel.stack import DirectStack, direct_stack
 from mbcdm_cad.layouts.siso_bevel.support.dims import ColumnDims, column, flange
 from mbcdm_cad.parts.coupling import CollarDims, collar
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, furthest_anchor_rad
-from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
+from mbcdm_cad.parts.input_pulley import dims
 from mbcdm_cad.parts.motor_head.dims import HeadDims, head
 from mbcdm_cad.parts.terminal import terminal_travel_mm
 
@@ -39,6 +38,33 @@ VARIABLES: dict[str, design_variables.DesignVariable] = design_variables.by_path
         *design_variables.lengths("support", ColumnSupport),
     )
 )
+
+
+def _slot(drive: DirectDrive, cable: DirectRun, face_z: float) -> dims.StopSlot:
+    stop = stop_of(drive, cable)
+    turned = replace(stop, end_angle_rad=-stop.end_angle_rad, away=-stop.away)
+    return dims.stop_slot(drive, cable.name, cable.input_radius_mm, turned, -cable.drum_radius_mm, face_z)
+
+
+def input_pulley(drive: DirectDrive, levels: DirectStack) -> dims.InputPulleyDims:
+    """Dimensions of the pulley; its slots are milled from both end faces."""
+    small, large = sorted(drive.cables, key=lambda c: c.step)
+    flank = drive.cable.diameter_mm / 2
+    bearings = drive.bearings
+    return coupled_pulley(
+        drive,
+        levels,
+        name=drive.input_names[0],
+        x=0.0,
+        lower_neck_radius=bearings.input_lower.inner_shoulder_mm / 2,
+        land_bottom_z=levels.land_bottom_z,
+        lower_surface_radius=large.input_radius_mm - flank,
+        wall_z=-(small.drum_radius_mm + large.drum_radius_mm) / 2,
+        upper_surface_radius=small.input_radius_mm - flank,
+        land_top_z=levels.land_top_z,
+        upper_neck_radius=bearings.input_upper.inner_shoulder_mm / 2,
+        slots=(_slot(drive, large, levels.land_bottom_z), _slot(drive, small, levels.land_top_z)),
+    )
 
 
 class DirectLayout(HeadLayout):
@@ -81,7 +107,7 @@ class DirectLayout(HeadLayout):
         return column(self.drive, self.levels, self.drum_shaft)
 
     @dimensions
-    def inputs(self) -> tuple[InputPulleyDims, ...]:
+    def inputs(self) -> tuple[dims.InputPulleyDims, ...]:
         """The one input pulley."""
         return (input_pulley(self.drive, self.levels),)
 

@@ -4,18 +4,18 @@ A gap smaller than this sum may vanish in a built drive.
 """
 
 from collections.abc import Iterator
-from functools import partial
-from math import ceil, cos, floor, hypot, radians, sin, sqrt, tan, tau
+from math import ceil, cos, hypot, radians, sin, sqrt, tan, tau
 
 import numpy as np
 
-from mbcdm_cad.checks.comparison import Check, Comparison, Findings, at_least, at_most, check, noted, worst
+from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check, noted, worst
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.geometry import CABLE_GAP_MM
-from mbcdm_cad.checks.input_pulley import dead_turns_check
+from mbcdm_cad.checks.input_pulley import dead_turns
 from mbcdm_cad.checks.run import rounded
-from mbcdm_cad.checks.transfer import Stacks, TransferStacks, ratio_contributions, stack_check, transmission_error
+from mbcdm_cad.checks.transfer import Stacks, TransferStacks, ratio_contributions, transmission_error
 from mbcdm_cad.design.paths import at
+from mbcdm_cad.layouts.bevel_transfer import toleranced, transfer_stacks
 from mbcdm_cad.layouts.miso_bevel import gap_tolerances as gaps
 from mbcdm_cad.layouts.miso_bevel.cable_path import BLEND_DIAMETERS, fleet_angle_deg, guide_landing_walk_mm, winding
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
@@ -237,7 +237,7 @@ SPANS = (
     self_clearance,
     input_walk,
     guide_walk,
-    dead_turns_check((up(at.rope.dead_turns),)),
+    dead_turns.but(adjust=(up(at.rope.dead_turns),)),
 )
 
 
@@ -335,60 +335,17 @@ def pair_mismatch_stack(s: BevelLayout) -> Comparison:
     )
 
 
-def _wider_or_closer(of: Stacks, widen: str, gain: float, s: BevelLayout) -> str:
-    """Advice: the increase of the gap, or the closer tolerance of the costliest part; no search, as all is linear."""
-    stack = tightest(of(s))
-    most = stack.costliest
-    others = stack.rss**2 - most.shift**2
-    room = f"{widen} by {ceil(-stack.spare / gain * 1e4) / 1e4:g} mm"
-    left = stack.margin**2 - others if stack.margin > 0.0 else -1.0
-    if left <= 0.0:
-        return f"{room}; no single tolerance held closer is enough"
-    closer = floor(sqrt(left) / abs(most.per_unit) * 1e4) / 1e4
-    return f"{room} or hold the {most.name} to {closer:g} mm instead of {most.tolerance:.4g}"
-
-
-def _stack_check(name: str, title: str, of: Stacks, widen: str, gain: float = 1.0) -> Check:
-    return stack_check(name, title, of, partial(_wider_or_closer, of, widen, gain))
-
-
 STACKS = (
-    _stack_check(
-        "self_clearance",
-        "Free span clears its own last turn with tolerances",
-        own_turn,
-        "raise rope.helix_lead_mm",
-        LEAD_GAIN,
-    ),
-    _stack_check(
-        "transfer_gap",
-        "Transfer gap stays under half a cable with tolerances",
-        _GUIDE.gap,
-        "lower clearances.transfer_gap_mm, or raise clearances.land_edge_mm,",
-    ),
-    _stack_check(
-        "bodies_clear",
-        "Guide and drum do not touch with tolerances",
-        _GUIDE.bodies_clear,
-        "raise clearances.transfer_gap_mm, or lower clearances.land_edge_mm,",
-    ),
-    _stack_check(
-        "land_edge",
-        "Contact lines stay on their lands with tolerances",
-        _GUIDE.land_edge,
-        "raise clearances.land_edge_mm, or lower clearances.transfer_gap_mm,",
-    ),
-    _stack_check(
+    toleranced("self_clearance", "Free span clears its own last turn", own_turn, "raise rope.helix_lead_mm", LEAD_GAIN),
+    *transfer_stacks(_GUIDE),
+    toleranced(
         "flank",
-        "Cables on the drum clear the next land with tolerances",
+        "Cables on the drum clear the next land",
         flank_gap,
         "lower clearances.land_edge_mm, or widen the steps of the guide's radii,",
     ),
-    _stack_check(
-        "guide_walk",
-        "Cables on the guide clear its walls with tolerances",
-        guide_gap,
-        "widen half the steps of the drum's radii",
+    toleranced(
+        "guide_walk", "Cables on the guide clear its walls", guide_gap, "widen half the steps of the drum's radii"
     ),
     pair_mismatch_stack,
     transmission_error,

@@ -14,7 +14,7 @@ import numpy as np
 from mbcdm_cad.checks.comparison import Comparison, Family, Findings, at_least, at_most, check, check_for, noted
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import CABLE_GAP_MM, cables_apart
-from mbcdm_cad.checks.input_pulley import coupling_checks, dead_turns_check, stop_checks
+from mbcdm_cad.checks.input_pulley import coupling_checks, dead_turns, stop_checks
 from mbcdm_cad.checks.ratios import SURFACE_TOLERANCE_MM, anchor_bend, bending_checks, surface_radius
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import NoFigureError
@@ -49,7 +49,9 @@ WIDER: tuple[Adjustment, ...] = (
 )
 _RADII = (surface_radius, cut_at_pitch, *bending_checks(WIDER), anchor_bend.but(adjust=WIDER, applies=is_anchored))
 _STOPS = (
-    dead_turns_check((up(at.transmission.turns), down(at.transmission.input_to_drum), down(at.travel.half_angle_deg))),
+    dead_turns.but(
+        adjust=(up(at.transmission.turns), down(at.transmission.input_to_drum), down(at.travel.half_angle_deg))
+    ),
     *stop_checks(WIDER),
 )
 PULLEY_FITS = (*(check.but(applies=is_anchored) for check in _STOPS), *coupling_checks(WIDER))
