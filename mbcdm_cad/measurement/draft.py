@@ -7,8 +7,9 @@ and place (at the pulley or on the motor, before the gearhead) follow from its a
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -129,9 +130,7 @@ def _response_text(
     if expected.travel_rad is not None:
         lines += ["parts: {structure: true}    # output_at: payload, if its encoder is there"]
         lines += ["# inertia_plate: {inertia_kg_m2: ...}, of what the output turned besides the design's payload"]
-    unused = [str(c.name) for c in columns if all(c is not one for one in found.values())]
-    lines += [f"# not used: {', '.join(unused)}"] if unused else []
-    return "\n".join([*lines, ""])
+    return "\n".join([*lines, *_unused(columns, found.values()), ""])
 
 
 def _columns(data: Path) -> tuple[_Table, list[roles.Guess]]:
@@ -259,14 +258,10 @@ def _table(data: Path, decimal: str) -> _Table:
 
 
 def _tried_rows(data: Path, layout: Format) -> list[list[str]]:
-    rows = []
     with open(data, encoding="utf-8", errors="replace") as file:
-        for number, line in enumerate(file, 1):
-            if number >= layout.begin_line and line.strip() and not line.startswith("#"):
-                rows.append(layout.cells(line))
-            if len(rows) >= TRIED_ROWS:
-                break
-    return rows
+        lines = islice(file, layout.begin_line - 1, None)
+        rows = (layout.cells(line) for line in lines if line.strip() and not line.startswith("#"))
+        return list(islice(rows, TRIED_ROWS))
 
 
 def _share(rows: list[list[str]], k: int, layout: Format, reads: Callable[[str], float]) -> float:
@@ -377,6 +372,11 @@ def _quoted(name: object) -> str:
     return str(name) if isinstance(name, int) else f'"{name}"'
 
 
+def _unused(columns: Sequence[roles.Guess], used: Collection[roles.Guess]) -> list[str]:
+    names = [str(c.name) for c in columns if all(c is not one for one in used)]
+    return [f"# not used: {', '.join(names)}"] if names else []
+
+
 def _head(data: Path, table: _Table, expected: roles.Expected) -> list[str]:
     """The first lines of a measurement file."""
     return [
@@ -410,9 +410,7 @@ def _written(data: Path, table: _Table, columns: list[roles.Guess], expected: ro
     wanted, inputs = len(expected.input_names), sum(c.role.startswith("input") for c in columns)
     if inputs < wanted:
         lines.append(f"  # {inputs} of the {wanted} inputs found: {', '.join(expected.input_names)}")
-    unused = [str(c.name) for c in columns if not c.role]
-    if unused:
-        lines.append(f"# not used: {', '.join(unused)}")
+    lines += _unused(columns, known)
     if all(c.role != "load_torque" for c in columns):
         lines.append(_NO_LOAD)
     lines += ["# sensors: the steps of the encoders and the noise of the torque, from the data sheets"]

@@ -241,7 +241,7 @@ class Whitened:
             take[free, np.arange(free.size)] = sd[free]
             take[:, -1] = np.append(-np.nan_to_num(held), 1.0)
             on_z = parts[1] @ take
-            best, logs, mean, inverse = self._solved(take.T @ parts[0] @ take, on_z)
+            best, logs, mean, spread = self._solved(take.T @ parts[0] @ take, on_z)
             value = mean * sd[free]
             past = np.maximum(limits[0, free] - value, value - limits[1, free]) / sd[free]
             if past.max(initial=0.0) > 0.0:
@@ -259,7 +259,7 @@ class Whitened:
             held[int(np.argmax(push))] = np.nan
         whole, covariance = np.nan_to_num(held), np.zeros((sd.size, sd.size))
         whole[free] = value
-        covariance[np.ix_(free, free)] = (inverse.T @ inverse) * np.outer(sd[free], sd[free])
+        covariance[np.ix_(free, free)] = spread * np.outer(sd[free], sd[free])
         fixed = np.flatnonzero(~np.isnan(held[:own]))
         log = float(logsumexp(logs)) - 0.5 * float(held[fixed] @ held[fixed]) - rows * self.coarse.log_scale
         axes, weights = self.hypothesis(best)
@@ -274,8 +274,8 @@ class Whitened:
         return np.asarray(curves[family] @ (self.axes[family] @ evidence.curves))
 
     def _solved(self, gram: Floats, on_z: Floats) -> tuple[int, Floats, Floats, Floats]:
-        """The likeliest hypothesis of the unknown, the logarithm of the posterior of each, mean of the columns and root
-        of their covariance there, all columns with a prior of one standard deviation."""
+        """The likeliest hypothesis of the unknown, the logarithm of the posterior of each, mean of the columns there,
+        and their mean square about it over all of them, all columns with a prior of one standard deviation."""
         k = gram.shape[0] - 1
         inner = gram - np.concatenate(
             [
@@ -288,8 +288,13 @@ class Whitened:
         logs = -0.5 * (inner[:, k, k] - np.sum(h**2, axis=1)) - self.log_curves
         logs -= np.log(np.einsum("sii->si", root)).sum(axis=1)
         best = int(np.argmax(logs))
-        inverse = np.linalg.inv(root[best])
-        return best, logs, inverse.T @ h[best], inverse
+        share = np.exp(logs - logsumexp(logs))
+        some = np.flatnonzero(share > ROUNDED)
+        inverse = np.linalg.inv(root[some])
+        means = np.einsum("sij,si->sj", inverse, h[some])
+        mean = means[np.searchsorted(some, best)]
+        roots = np.concatenate([inverse, (means - mean)[:, None]], axis=1) * np.sqrt(share[some])[:, None, None]
+        return best, logs, mean, np.einsum("sij,sik->jk", roots, roots)
 
 
 class NoiseOfUnknownSize(Whitened):
