@@ -1,6 +1,7 @@
 """The correction table as files for a controller: CSV, JSON and a C header with the function that reads it."""
 
 import json
+from itertools import product
 
 from mbcdm_cad.loop.correction import DIRECTIONS, Correction
 
@@ -34,14 +35,10 @@ def _head(found: Correction, source: str) -> list[str]:
 
 
 def _csv(found: Correction, source: str) -> bytes:
-    lines = [f"# {line}" for line in _head(found, source)] + ["angle_rad,direction,load_Nm,correction_rad"]
-    for i, angle in enumerate(found.angle_rad):
-        for j, direction in enumerate(DIRECTIONS):
-            lines += [
-                f"{angle:.9g},{direction:g},{load:.9g},{found.value_rad[i, j, k]:.9g}"
-                for k, load in enumerate(found.load_Nm)
-            ]
-    return ("\n".join(lines) + "\n").encode()
+    at = product(found.angle_rad, DIRECTIONS, found.load_Nm)
+    rows = (f"{a:.9g},{d:g},{load:.9g},{v:.9g}" for (a, d, load), v in zip(at, found.value_rad.flat, strict=True))
+    head = (f"# {line}" for line in _head(found, source))
+    return "\n".join([*head, "angle_rad,direction,load_Nm,correction_rad", *rows, ""]).encode()
 
 
 def _json(found: Correction, source: str) -> bytes:
@@ -56,12 +53,7 @@ def _json(found: Correction, source: str) -> bytes:
         "correction_rad": found.value_rad.tolist(),
         "reversal_rad": found.reversal_rad,
         "left_out": list(found.left_out),
-        "error": {
-            "before_rad": found.before_rad,
-            "after_rad": found.after_rad,
-            "noise_rad": found.noise_rad,
-            "held_out": found.held_out,
-        },
+        "error": {name: getattr(found, name) for name in ("before_rad", "after_rad", "noise_rad", "held_out")},
     }
     return (json.dumps(content, indent=1) + "\n").encode()
 
