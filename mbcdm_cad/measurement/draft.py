@@ -15,29 +15,12 @@ from pathlib import Path
 import numpy as np
 
 from mbcdm_cad.errors import InputError, Problem
-from mbcdm_cad.measurement import roles
+from mbcdm_cad.measurement import logformat, roles
 from mbcdm_cad.measurement.binarylog import opened
 from mbcdm_cad.measurement.datafile import Channel, clock_s, read_channels, read_table
 from mbcdm_cad.measurement.file import file_of
 from mbcdm_cad.measurement.kinds import FEWEST_SAMPLES
-from mbcdm_cad.measurement.logformat import (
-    ANGLE,
-    DECIBEL,
-    FORCE,
-    FREQUENCY,
-    GIVE,
-    ISO_CLOCK,
-    LENGTH,
-    TEMPERATURE,
-    TIME,
-    TORQUE,
-    Format,
-    Unit,
-    figure_of,
-    find_format,
-    title_lines,
-    wrong,
-)
+from mbcdm_cad.measurement.logformat import Format, Unit, figure_of, find_format, title_lines, wrong
 from mbcdm_cad.measurement.reading import FULL_SENSE, read_run
 from mbcdm_cad.measurement.schema import FREQUENCY_RESPONSE
 from mbcdm_cad.measurement.vet_signals import robust_slope
@@ -90,7 +73,10 @@ def draft_text(data: Path, expected: roles.Expected) -> str:
     if scale is None:
         raise InputError([_no_pair(data, table, columns, why)])
     _lengths(by_role["output"], [c for c in columns if c.role.startswith("input")], expected)
-    for role, units, unit in (("load_torque", {**TORQUE, **FORCE}, "N*m"), ("temperature", TEMPERATURE, "degC")):
+    for role, units, unit in (
+        ("load_torque", {**logformat.TORQUE, **logformat.FORCE}, "N*m"),
+        ("temperature", logformat.TEMPERATURE, "degC"),
+    ):
         if role in by_role:
             _plain(by_role[role], units, unit)
     return _read_back(data, _written(data, table, columns, expected))
@@ -101,19 +87,27 @@ def _response_text(
 ) -> str:
     """The measurement file of an analyser's table; what its gain is over by its size at the lowest frequencies."""
     gain, phase = found["gain"], found["phase"]
-    dB = gain.unit == DECIBEL or "db" in str(gain.name).lower() or float(gain.values.min()) <= 0.0
-    deg = roles.stated_unit(phase, ANGLE)[0] or ("deg" if float(np.ptp(phase.values)) > 2.0 * math.pi else "rad")
-    f_unit = roles.stated_unit(found["frequency"], FREQUENCY)[0] or "Hz"
+    dB = gain.unit == logformat.DECIBEL or "db" in str(gain.name).lower() or float(gain.values.min()) <= 0.0
+    deg = roles.stated_unit(phase, logformat.ANGLE)[0] or (
+        "deg" if float(np.ptp(phase.values)) > 2.0 * math.pi else "rad"
+    )
+    f_unit = roles.stated_unit(found["frequency"], logformat.FREQUENCY)[0] or "Hz"
     low = float(np.median(gain.values[np.argsort(found["frequency"].values)[:5]]))
     low = 10.0 ** (low / 20.0) if dB else low
     ratio, motors = expected.ratio, expected.ratio * (expected.gearhead_ratio or 1.0)
     turns = min((ratio, 1.0, motors), key=lambda n: abs(math.log(low * n)))
     over, why = "inputs", f"a gain of {low:.4g} at the lowest frequencies is one over {turns:.6g} turns"
-    if gain.unit in GIVE or abs(math.log(low * turns)) > math.log(1.5):
+    if gain.unit in logformat.GIVE or abs(math.log(low * turns)) > math.log(1.5):
         over, why = "torque", f"a gain of {low:.4g} at the lowest frequencies is no ratio of this drive"
     units = {
         "frequency": f_unit,
-        "gain": DECIBEL if dB else gain.unit if gain.unit in GIVE else "'-'" if over == "inputs" else "rad/(N*m)",
+        "gain": logformat.DECIBEL
+        if dB
+        else gain.unit
+        if gain.unit in logformat.GIVE
+        else "'-'"
+        if over == "inputs"
+        else "rad/(N*m)",
         "phase": deg,
         "coherence": "'%'" if "coherence" in found and float(found["coherence"].values.max()) > 1.5 else "'-'",
     }
@@ -170,7 +164,11 @@ def _columns(data: Path) -> tuple[_Table, list[roles.Guess]]:
         name = layout.names[index] if index < len(layout.names) else ""
         unit = layout.units[index] if index < len(layout.units) else ""
         inside = re.search(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\s*$", name)
-        unit = ISO_CLOCK if index == found_table.clock else unit.strip("[]() ") or (inside.group(1) if inside else "")
+        unit = (
+            logformat.ISO_CLOCK
+            if index == found_table.clock
+            else unit.strip("[]() ") or (inside.group(1) if inside else "")
+        )
         found.append(roles.Guess(name or index + 1, unit, values))
     return found_table, found
 
@@ -211,7 +209,7 @@ def _one_channel_a_row(
     def called(index: int) -> str | int:
         return layout.names[index] if index < len(layout.names) else index + 1
 
-    guesses = [roles.Guess(called(time), ISO_CLOCK if table.clock == time else "", found.values[0])]
+    guesses = [roles.Guess(called(time), logformat.ISO_CLOCK if table.clock == time else "", found.values[0])]
     for name, row in zip(names, found.values[1:], strict=True):
         guesses.append(roles.Guess(name, "", row))
         guesses[-1].fields |= {"_column": called(value), "channel": name}
@@ -279,17 +277,21 @@ def _is_read(row: list[str], k: int, layout: Format, reads: Callable[[str], floa
 def _lengths(output: roles.Guess, inputs: Sequence[roles.Guess], expected: roles.Expected) -> None:
     """Draft the radius of an angle that was measured as a length: that with which the ratio is met."""
     for column in (output, *inputs):
-        unit = column.unit if column.unit in LENGTH else next((u for u in ("mm", "um") if u in column.words[-1:]), "")
+        unit = (
+            column.unit
+            if column.unit in logformat.LENGTH
+            else next((u for u in ("mm", "um") if u in column.words[-1:]), "")
+        )
         if not unit:
             continue
         other = inputs[0] if column is output and inputs else output
-        rad, _ = roles.stated_unit(other, ANGLE)
+        rad, _ = roles.stated_unit(other, logformat.ANGLE)
         slope, _ = robust_slope(other.values, column.values)
         turns = 1.0 / expected.ratio if column is output else expected.ratio
         column.fields = {"unit": unit, "radius_mm": UNKNOWN}
         column.reasons = ["a length: put the radius at which it is measured in place of ?"]
         if slope and rad:
-            radius = 1e3 * LENGTH[unit].factor * abs(slope) / (ANGLE[rad].factor * turns)
+            radius = 1e3 * logformat.LENGTH[unit].factor * abs(slope) / (logformat.ANGLE[rad].factor * turns)
             column.fields["radius_mm"] = float(f"{radius:.4g}")
             column.reasons = ["a length: with this radius the ratio is met; put the measured radius in its place"]
         if slope < 0.0 and column is not output:
@@ -300,7 +302,7 @@ def _begun_again(column: roles.Guess) -> None:
     """Count on where a column begins again after a whole range of its encoder or clock, and draft ``wraps_at``."""
     steps, covered = np.diff(column.values), float(np.ptp(column.values))
     begins_again = None
-    if column.unit in TIME or column.says(roles.TIME_WORDS):
+    if column.unit in logformat.TIME or column.says(roles.TIME_WORDS):
         begins_again = _begins_again(column.values)
     elif covered:
         r = min(
@@ -363,7 +365,7 @@ def _plain(column: roles.Guess, units: Mapping[str, Unit], otherwise: str) -> No
     unit, reason = roles.stated_unit(column, units)
     column.fields["unit"] = unit or otherwise
     column.reasons.append(reason if unit else f"{otherwise} is assumed")
-    if unit in FORCE:
+    if unit in logformat.FORCE:
         column.fields["lever_arm_mm"] = UNKNOWN
         column.reasons.append("a force: put the arm of the load cell in mm in place of ?")
 

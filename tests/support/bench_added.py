@@ -27,7 +27,7 @@ def output_encoder(p: Sizes, bench: Bench, drum: np.ndarray, rng: np.random.Gene
 
 def division(p: Sizes, bench: Bench, drum: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """A periodic error of the output encoder or of a gear."""
-    return p["amplitude_rad"] * np.sin(p["cycles_per_output_rev"] * drum + p["phase_rad"])
+    return p["amplitude_rad"] * np.cos(p["cycles_per_output_rev"] * drum + p["phase_rad"])
 
 
 def shaft_compliance(p: Sizes, bench: Bench, drum: np.ndarray, rng: np.random.Generator) -> np.ndarray:

@@ -118,7 +118,11 @@ def ripple(cycles: tuple[float, float], low_rad: float, high_rad: float) -> Draw
     return amount(
         "ripple",
         "division",
-        {"cycles_per_output_rev": cycles, "amplitude_rad": (low_rad, high_rad), "phase_rad": (-np.pi, np.pi)},
+        {
+            "cycles_per_output_rev": cycles,
+            "amplitude_rad": (low_rad, high_rad),
+            "phase_rad": (-1.5 * np.pi, 0.5 * np.pi),
+        },
     )
 
 
