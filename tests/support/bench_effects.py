@@ -115,15 +115,8 @@ def output_encoder(low_rad: float, high_rad: float) -> Draw:
 
 def ripple(cycles: tuple[float, float], low_rad: float, high_rad: float) -> Draw:
     """A line in angle that no stage of the chain has."""
-    return amount(
-        "ripple",
-        "division",
-        {
-            "cycles_per_output_rev": cycles,
-            "amplitude_rad": (low_rad, high_rad),
-            "phase_rad": (-1.5 * np.pi, 0.5 * np.pi),
-        },
-    )
+    figures = {"cycles_per_output_rev": cycles, "amplitude_rad": (low_rad, high_rad)}
+    return amount("ripple", "division", figures | {"phase_rad": (-1.5 * np.pi, 0.5 * np.pi)})
 
 
 def anchor(low_m: float, high_m: float) -> Draw:

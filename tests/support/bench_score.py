@@ -4,7 +4,7 @@ A truth is a list of entries as in the rig's truth files: ``name``, ``in_vocabul
 ``stage`` and ``cables`` (none: all of them), and ``changes`` for an effect that begins in mid-run.
 """
 
-from math import remainder, tau
+from math import tau
 from typing import Any
 
 from scipy.stats import beta
@@ -87,10 +87,9 @@ def values_of(result: dict[str, Any], truth: list[Entry]) -> list[tuple[str, flo
             at_input = key == "amplitude_rad" and str(entry.get("stage")).startswith("input")
             figure = None if said is None or at_input else said["parameters"].get(key)
             if figure is not None and None not in figure["ci95"]:
-                value = figure["value"]
                 # A phase is the same after a whole turn.
-                near = value + remainder(true - value, tau) if key.startswith("phase") else float(true)
-                found.append((f"{label(entry)}.{key}", near, value, *figure["ci95"]))
+                turns = round((figure["value"] - true) / tau) if key.startswith("phase") else 0
+                found.append((f"{label(entry)}.{key}", true + turns * tau, figure["value"], *figure["ci95"]))
     return found
 
 
