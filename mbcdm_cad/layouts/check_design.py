@@ -53,8 +53,7 @@ def advised_checks(loaded: LoadedDesign) -> tuple[tuple[CheckResult, ...], Toget
     if not wrong:
         return results, None
     # These trials are made only if a check fails.
-    from mbcdm_cad.layouts.pins import pin_advice
-    from mbcdm_cad.layouts.together import together
+    from mbcdm_cad.layouts.together import pin_advice, together
 
     advice, pins = pin_advice(loaded, [check for check in checks if check.id in wrong])
     results = tuple(_advised(result, loaded, advice.get(result.id, "")) for result in results)

@@ -10,7 +10,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf
-from typing import Any, Protocol
+from operator import itemgetter
+from typing import Any
 
 from mbcdm_cad.checks.size import kept_mass_g
 from mbcdm_cad.design.rules import Broken
@@ -27,13 +28,8 @@ RATIOS = (2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0)
 _WISHES = ("peak_torque_Nm", "continuous_torque_Nm", "speed_deg_s", "backdrive_Nm", "duty", "payload")
 
 
-class SizeWith(Protocol):
-    """The rules of a layout, with one more before them."""
-
-    def __call__(
-        self, data: dict[str, Any], moved: Moved | None, similar: Sizing | None, ratio: tuple[Rule, ...] = ()
-    ) -> Sizing:
-        """The data with its open fields filled."""
+# The rules of a layout as ``Size``, and with the rule of a ratio before them.
+SizeWith = Callable[..., Sizing]
 
 
 @dataclass(frozen=True)
@@ -114,20 +110,22 @@ _REMEMBERED = 64
 
 def _lightest(size: SizeWith, field: str, data: dict[str, Any], layout: type[Layout]) -> Sizing:
     sized: dict[float, Sizing] = {}
-    drives: list[_Drive] = []
+    drives = list[tuple[_Rank, float, Layout, dict[str, float]]]()
     refused: list[NoFigureError | SizingError] = []
     for ratio in RATIOS:
         try:
             sized[ratio] = _with(size, field, data, None, None, ratio)
-            drives.append(_Drive(ratio, layout_of(layout, sized[ratio].data)))
+            found = layout_of(layout, sized[ratio].data)
+            missed = misses(found, without=BY_ELEMENTS)
+            drives.append((_rank(found, missed), ratio, found, missed))
         except (NoFigureError, SizingError) as error:
             refused.append(error)
     best: tuple[_Rank, float] | None = None
     # Finite elements add misses at most, so that a drive behind the best without them stays there.
-    for drive in sorted(drives, key=lambda one: (one.rank, one.ratio)):
-        if best is not None and best <= (drive.rank, drive.ratio):
+    for rank, ratio, found, missed in sorted(drives, key=itemgetter(0, 1)):
+        if best is not None and best <= (rank, ratio):
             break
-        whole = drive.whole_rank(), drive.ratio
+        whole = _rank(found, missed | misses(found, only=BY_ELEMENTS)), ratio
         best = whole if best is None else min(best, whole)
     if best is not None:
         return sized[best[1]]
@@ -162,21 +160,10 @@ def _rule(field: str, ratio: float) -> Rule:
 _Rank = tuple[int, float, float]
 
 
-class _Drive:
-    """A sized drive at one ratio; ``rank``: without the checks that need finite elements."""
-
-    def __init__(self, ratio: float, found: Layout) -> None:
-        self.ratio, self._found = ratio, found
-        self._missed = misses(found, without=BY_ELEMENTS)
-        try:
-            self._mass_g = kept_mass_g(found)
-        except (ValueError, ZeroDivisionError):
-            self._mass_g = inf
-        self.rank = self._ranked(self._missed)
-
-    def whole_rank(self) -> _Rank:
-        """The rank by all checks."""
-        return self._ranked(self._missed | misses(self._found, only=BY_ELEMENTS))
-
-    def _ranked(self, missed: Mapping[str, float]) -> _Rank:
-        return len(missed), sum(missed.values()), self._mass_g
+def _rank(found: Layout, missed: Mapping[str, float]) -> _Rank:
+    """The rank of a drive that misses these checks."""
+    try:
+        mass_g = kept_mass_g(found)
+    except (ValueError, ZeroDivisionError):
+        mass_g = inf
+    return len(missed), sum(missed.values()), mass_g

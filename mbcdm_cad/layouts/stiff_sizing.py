@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from math import exp, inf, log
 from operator import itemgetter
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
@@ -67,11 +67,8 @@ _STIFFNESS = at.loads.stiffness_Nm_rad
 BACKDRIVE, PRELOAD, _PRELOAD_SHARES = "backdrive", at.rope.preload_N, (0.9, 0.8, 0.7, 0.65, 0.6, 0.55, 0.5)
 
 
-class Size(Protocol):
-    """The rules of a layout, as ``size`` of its sizing module."""
-
-    def __call__(self, data: dict[str, Any], moved: Moved | None, similar: Sizing | None) -> Sizing:
-        """The data with its open fields filled."""
+# The rules of a layout, as ``size`` of its sizing module: the data with its open fields filled.
+Size = Callable[[dict[str, Any], Moved | None, Sizing | None], Sizing]
 
 
 @dataclass(frozen=True)

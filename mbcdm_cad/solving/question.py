@@ -19,7 +19,7 @@ from mbcdm_cad.design.sized import Freedom, Sizing
 from mbcdm_cad.design.yamltree import Tree, leaves, parse, put, read_text, take_out, value_at
 from mbcdm_cad.errors import InputError, MbcdmError
 from mbcdm_cad.layouts.loader import design_file_of, reference_data
-from mbcdm_cad.layouts.pins import FEW
+from mbcdm_cad.layouts.together import FEW
 
 # Factors within which a number that a rule gives may be changed, unless the configuration states others.
 DERIVED_LOW, DERIVED_HIGH = 0.5, 2.0

@@ -13,7 +13,7 @@ from mbcdm_cad.design.bought import NO_GEARHEAD
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Freedom, SizingError
-from mbcdm_cad.layouts import common_freedoms, common_rules, head_dims
+from mbcdm_cad.layouts import common_rules, head_dims
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.bevel_sizing import RADII, TransferKnown, land_edge, outer_face, transfer_gap
 from mbcdm_cad.layouts.head_basis import (
@@ -562,14 +562,14 @@ def _total_ratio(data: Mapping[str, Any]) -> dict[str, Any]:
 
 # What ``mbcdm solve`` may change besides the derived dimensions.
 FREEDOMS: tuple[Freedom, ...] = (
-    *common_freedoms.DRIVE,
+    *common_rules.DRIVE,
     Freedom(at.guide.bearing, kind="bearings", order="outer_diameter_mm"),
-    *common_freedoms.INPUTS,
-    common_freedoms.SURFACE,
-    *common_freedoms.ENCODERS,
-    *common_freedoms.METALS,
+    *common_rules.INPUTS,
+    common_rules.SURFACE,
+    *common_rules.ENCODERS,
+    *common_rules.METALS,
     Freedom(DISTANCE, 0.7, 2.5),
-    Freedom(RADII, 0.8, 2.5, _steps, mends=((ALL_RADII, 1),), instead=common_freedoms.first_radius),
+    Freedom(RADII, 0.8, 2.5, _steps, mends=((ALL_RADII, 1),), instead=common_rules.first_radius),
     Freedom(
         TO_DRUM, 0.4, 1.5, mends=(("transmission.ratios.input_to_guide", -1), (at.transmission.guide_radii_mm, -1))
     ),

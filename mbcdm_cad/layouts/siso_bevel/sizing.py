@@ -10,7 +10,7 @@ from typing import Any
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Freedom
-from mbcdm_cad.layouts import common_freedoms, head_dims
+from mbcdm_cad.layouts import common_rules, head_dims
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.bevel_sizing import RADII, TransferKnown, land_edge, outer_face, transfer_gap
 from mbcdm_cad.layouts.common_rules import SCHEMA_VERSION, half_travel, missing_travel, needed
@@ -188,11 +188,11 @@ STIFFENERS = (*SHARED, *walls("back_plate", "rib", "side_wall"))
 
 # What ``mbcdm solve`` may change besides the derived dimensions.
 FREEDOMS: tuple[Freedom, ...] = (
-    *common_freedoms.PARTS,
+    *common_rules.PARTS,
     Freedom(at.support.mount_screw, words=tuple(MOUNT_SCREWS)),
     Freedom(at.transmission.input_to_drum, 0.5, 1.0),
     # Only the second radius changes: the first is a requirement.
-    Freedom(at.transmission.drum_radii_mm, 0.5, 3.0, instead=common_freedoms.first_radius),
+    Freedom(at.transmission.drum_radii_mm, 0.5, 3.0, instead=common_rules.first_radius),
 )
 
 

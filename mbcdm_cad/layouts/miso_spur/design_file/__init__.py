@@ -10,7 +10,7 @@ from mbcdm_cad.design.loader import DesignFile, LazySizing, reference_of
 from mbcdm_cad.design.resolve import Catalogue
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.yamltree import FieldPath
-from mbcdm_cad.layouts.siso_spur.design_file import resolve, starting
+from mbcdm_cad.layouts.siso_spur import design_file as of_one
 from mbcdm_cad.layouts.siso_spur.design_file.schema import SpurBlocks, SpurSide
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, laid
 from mbcdm_cad.parts.drum_sector.dims import SCREWS
@@ -50,12 +50,12 @@ class RoundDrumDesign(SpurBlocks):
 
 def drive(design: RoundDrumDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> SpurDrive:
     """The drive of a valid design."""
-    return laid(SpurDrive(**resolve.spur_values(design, catalogue, sigmas)))
+    return laid(SpurDrive(**of_one.spur_values(design, catalogue, sigmas)))
 
 
 def broken_rules(design: RoundDrumDesign) -> Iterator[Broken]:
     """The rules of this configuration that the design breaks, in the order of the file's blocks."""
-    yield from resolve.broken_radius(design.transmission)
+    yield from of_one.broken_radius(design.transmission)
     if design.drum.output_screws != SCREWS:
         yield Broken(
             ("drum", "output_screws"),
@@ -79,8 +79,8 @@ def broken_rules(design: RoundDrumDesign) -> Iterator[Broken]:
                 "one to -x and one to +x",
                 "give both sides of its cable, one for each sense of the drum",
             )
-    yield from resolve.broken_way(design)
-    yield from resolve.broken_sector(design.drum.sector_half_angle_deg)
+    yield from of_one.broken_way(design)
+    yield from of_one.broken_sector(design.drum.sector_half_angle_deg)
     if design.transmission.parallel > 1:
         remedy = "set it to 1, or take configuration siso_spur"
         value = str(design.transmission.parallel)
@@ -90,12 +90,14 @@ def broken_rules(design: RoundDrumDesign) -> Iterator[Broken]:
         yield Broken(("transmission", "spans"), "the inputs turn against the drum", "open", "crossed", remedy)
 
 
-STARTING = starting("miso_spur", 4.0, "# inputs: [{{name: a}}, {{name: b}}, {{name: c}}]  # left out: two inputs\n")
+STARTING = of_one.starting(
+    "miso_spur", 4.0, "# inputs: [{{name: a}}, {{name: b}}, {{name: c}}]  # left out: two inputs\n"
+)
 DESIGN_FILE = DesignFile(
     RoundDrumDesign,
     REFERENCE.values,
     broken_rules,
-    resolve.named_entries,
+    of_one.named_entries,
     drive,
     LazySizing("mbcdm_cad.layouts.miso_spur.sizing"),
     STARTING,

@@ -12,17 +12,24 @@ from mbcdm_cad.checks.design_variables import ALL_RADII
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Freedom, Moved, Sizing
-from mbcdm_cad.layouts import common_freedoms
+from mbcdm_cad.layouts import common_rules
 from mbcdm_cad.layouts.common_rules import SCHEMA_VERSION, half_travel, missing_travel, needed
 from mbcdm_cad.layouts.head_basis import LIMITS, METALS, ROPE_LIMITS, TRAIN
 from mbcdm_cad.layouts.head_parts import PARTS
 from mbcdm_cad.layouts.open_ratio import SizingRules
 from mbcdm_cad.layouts.siso_spur.drive import MOUNT_BOLTS
 from mbcdm_cad.layouts.siso_spur.sizing import dims
-from mbcdm_cad.layouts.siso_spur.sizing.basis import LAND_EDGE, NAMES, PRELOAD, RATIO, ROPE, WINDING, drum_radius
-from mbcdm_cad.layouts.siso_spur.sizing.first_stage import FIRST, with_room
-from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
-from mbcdm_cad.layouts.siso_spur.sizing.stage import GUESSES, STAGE, STAGE_RATIO
+from mbcdm_cad.layouts.siso_spur.sizing.basis import (
+    LAND_EDGE,
+    NAMES,
+    PRELOAD,
+    RATIO,
+    ROPE,
+    WINDING,
+    SpurKnown,
+    drum_radius,
+)
+from mbcdm_cad.layouts.siso_spur.sizing.stage import FIRST, GUESSES, STAGE, STAGE_RATIO, with_room
 from mbcdm_cad.layouts.stiff_sizing import SHARED, walls
 from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, ON_SHAFT
 from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
@@ -71,8 +78,8 @@ STIFFENERS = (*SHARED, *walls("plate", "bridge", "side_wall"))
 
 # What ``mbcdm solve`` may change besides the derived dimensions.
 FREEDOMS: tuple[Freedom, ...] = (
-    *common_freedoms.PARTS,
-    common_freedoms.SURFACE,
+    *common_rules.PARTS,
+    common_rules.SURFACE,
     Freedom(at.support.mount_screw, words=tuple(MOUNT_BOLTS)),
     Freedom(at.transmission.turns, 0.7, 2.0, _whole),
     Freedom(at.transmission.drum_radius_mm, 0.7, 2.0, mends=((ALL_RADII, 1),)),
