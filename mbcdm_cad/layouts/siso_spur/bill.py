@@ -8,7 +8,7 @@ from mbcdm_cad.design.stage import SET_TENSION
 from mbcdm_cad.layouts.assembly import add_drum_bearings, add_stop_pin, steps
 from mbcdm_cad.layouts.siso_spur.idlers import strap_screw
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.siso_spur.pulley import set_screw
+from mbcdm_cad.layouts.siso_spur.pulley import without_bearings
 from mbcdm_cad.parts.bill import AGAINST_Y, ALONG_Y, AssemblyStep, Bill, BillBuilder, Placement
 from mbcdm_cad.parts.drum_sector import items
 from mbcdm_cad.parts.drum_sector.part import DrumSector
@@ -122,7 +122,7 @@ def steps_of(lay: SpurLayout, **more: Any) -> tuple[AssemblyStep, ...]:
         "tau": tau,
         "flange": flange_screw(drive).name,
         "strap_screw": strap_screw(drive).name if drive.idlers else "",
-        "set_screw": set_screw(drive).name if drive.overhung else "",
+        "set_screw": without_bearings(drive).set_screw.name if drive.overhung else "",
         "span_N": lambda unit: SET_TENSION * unit.drive.stage.force_N(stage_torque_Nm(unit)),
     }
     return steps(lay, **figures | more)

@@ -182,7 +182,9 @@ class SpurLayout(HeadLayout):
     def drum(self) -> DrumDims:
         """One drum sector."""
         if self.unit is self:
-            return drum(_at_level_0(self.drive), self.levels, self.frame.stop_pin_z, self.terminal_way)
+            drive = self.drive
+            level = drive if drive.level_mm == 0.0 else laid(replace(drive, level_mm=0.0))
+            return drum(level, self.levels, self.frame.stop_pin_z, self.terminal_way)
         return replace(self.unit.drum, dowels=_dowels(self.drive, self.unit.drum))
 
     @property
@@ -435,10 +437,6 @@ def _dowels(drive: SpurDrive, sector: DrumDims) -> HubDowels:
         face_angles_deg=_FACE_DEG,
         back_angles_deg=tuple((a - between_deg) % 360.0 for a in _FACE_DEG),
     )
-
-
-def _at_level_0(drive: SpurDrive) -> SpurDrive:
-    return drive if drive.level_mm == 0.0 else laid(replace(drive, level_mm=0.0))
 
 
 LAYOUT = SpurLayout

@@ -34,6 +34,17 @@ from mbcdm_cad.parts.input_pulley.dims import HornFlange, InputPulleyDims, SetHu
 from mbcdm_cad.parts.input_pulley.items import add_horn
 from mbcdm_cad.parts.motor_head.dims import Flange, Places, body_radius_mm
 
+# Metal before and behind the set screws in the hub.
+HUB_EDGE_MM = 1.0
+# Bore beyond the end of the shaft, and metal that closes the pulley in front of it; a thinner end is bored through.
+BEYOND_SHAFT_MM, END_WALL_MM = 0.5, 1.0
+# Room round the heads of the motor's screws in their pocket, for the socket of the key beside the wall.
+HEAD_ROOM_MM = 0.2
+# Play round the head of a horn's own screw in the pulley.
+RECESS_MM = 0.3
+# Plate between the pocket and the threads of the frame's own screws.
+POCKET_WEB_MM = 0.6
+
 
 def _through_groove(drive: SpurDrive, name: str, level_mm: float) -> dims.Groove:
     """Groove of a continuous cable: its turns, the walk in both directions, and the run-out at both spans.
@@ -123,19 +134,7 @@ def input_pulley(drive: SpurDrive, levels: LandLevels) -> dims.InputPulleyDims:
         grooves=_grooves(drive, slots),
         **own,
     )
-    return overhung_pulley(drive, levels, plain) if drive.overhung else plain
-
-
-# Metal before and behind the set screws in the hub.
-HUB_EDGE_MM = 1.0
-# Bore beyond the end of the shaft, and metal that closes the pulley in front of it; a thinner end is bored through.
-BEYOND_SHAFT_MM, END_WALL_MM = 0.5, 1.0
-# Room round the heads of the motor's screws in their pocket, for the socket of the key beside the wall.
-HEAD_ROOM_MM = 0.2
-# Play round the head of a horn's own screw in the pulley.
-RECESS_MM = 0.3
-# Plate between the pocket and the threads of the frame's own screws.
-POCKET_WEB_MM = 0.6
+    return without_bearings(drive).pulley(levels, plain) if drive.overhung else plain
 
 
 @lru_cache(maxsize=64)
@@ -151,36 +150,6 @@ def _set_screw(screws: tuple[Screw, ...], wall_mm: float) -> Screw:
 def crest_mm(drive: SpurDrive) -> float:
     """Radius of the land, outside its grooves."""
     return drive.input_radius_mm - drive.cable.diameter_mm / 2 + groove_depth_mm(drive)
-
-
-def set_screw(drive: SpurDrive) -> Screw:
-    """The set screw, two of which hold the pulley on the shaft."""
-    return _set_screw(drive.screws, crest_mm(drive) - drive.gearhead.shaft_diameter_mm / 2)
-
-
-def hub_radius_mm(drive: SpurDrive) -> float:
-    """Radius of the hub: that of the land, or more for the length of its set screws; of a flange on a servo's horn."""
-    if drive.servo is not None:
-        return drive.servo.horn_mm / 2
-    return max(crest_mm(drive), drive.gearhead.shaft_diameter_mm / 2 + set_screw(drive).length_mm)
-
-
-def flange_mm(drive: SpurDrive, servo: Servo) -> float:
-    """Thickness of the pulley's flange on a servo's horn: it takes the head of the horn's own screw, and a wall."""
-    centre = drive.screw(servo.centre_screw)
-    return centre.head_height_mm + RECESS_MM + drive.pulley_material.min_wall_mm
-
-
-def hub_length_mm(drive: SpurDrive) -> float:
-    """Length of the hub between plate and land; with a servo from the plate's front to the heads of the horn's screws.
-
-    These and the flange stay behind the drum's rim.
-    """
-    servo = drive.servo
-    if servo is not None:
-        heads = drive.screw(servo.horn_screw).head_height_mm + drive.clearances.running_mm
-        return max(servo.horn_face_mm + flange_mm(drive, servo) + heads - drive.support.plate_mm, 0.0)
-    return set_screw(drive).thread_mm + 2 * HUB_EDGE_MM
 
 
 @dataclass(frozen=True)
@@ -208,140 +177,168 @@ class MotorSeat:
         return min(self.window[1], *(z - self.screw_clearance for _, z in self.screws))
 
 
-def servo_middle_mm(drive: SpurDrive, servo: Servo) -> float:
-    """Middle of a servo's housing in z: it points away from the drum."""
-    return drive.centre_distance_mm + servo.axis_mm
+class OnShaft:
+    """A pulley that the shaft of motor or gearhead alone carries: its hub, and the motor's seat on the plate."""
 
+    def __init__(self, drive: SpurDrive) -> None:
+        self.drive = drive
 
-def _servo_seat(drive: SpurDrive, servo: Servo) -> MotorSeat:
-    play, middle = drive.clearances.running_mm, servo_middle_mm(drive, servo)
-    half = servo.body_mm / 2 + play
-    screw = drive.screw(drive.gearhead.screw)
-    return MotorSeat(
-        pocket_radius=0.0,
-        shelf=0.0,
-        pilot_radius=0.0,
-        screw_clearance=screw.thread_mm / 2,
-        screws=tuple(
-            (x * servo.hole_width_mm / 2, middle + z * servo.hole_length_mm / 2) for z in (-1, 1) for x in (-1, 1)
-        ),
-        window=(servo.width_mm / 2 + play, middle - half, middle + half),
-    )
+    @property
+    def set_screw(self) -> Screw:
+        """The set screw, two of which hold the pulley on the shaft."""
+        return _set_screw(self.drive.screws, crest_mm(self.drive) - self.drive.gearhead.shaft_diameter_mm / 2)
 
+    @property
+    def hub_radius_mm(self) -> float:
+        """Radius of the hub: that of the land, or more for the length of its set screws."""
+        return max(crest_mm(self.drive), self.drive.gearhead.shaft_diameter_mm / 2 + self.set_screw.length_mm)
 
-def _pocket_radius_mm(drive: SpurDrive) -> float:
-    gear = drive.gearhead
-    heads = (gear.bolt_circle_mm + drive.screw(gear.screw).head_diameter_mm) / 2 + HEAD_ROOM_MM
-    return max(heads, hub_radius_mm(drive) + drive.clearances.running_mm)
+    @property
+    def hub_length_mm(self) -> float:
+        """Length of the hub between plate and land."""
+        return self.set_screw.thread_mm + 2 * HUB_EDGE_MM
 
+    @property
+    def _pocket_radius_mm(self) -> float:
+        gear = self.drive.gearhead
+        heads = (gear.bolt_circle_mm + self.drive.screw(gear.screw).head_diameter_mm) / 2 + HEAD_ROOM_MM
+        return max(heads, self.hub_radius_mm + self.drive.clearances.running_mm)
 
-def motor_seat(drive: SpurDrive) -> MotorSeat:
-    """The seat on the plate."""
-    if drive.servo is not None:
-        return _servo_seat(drive, drive.servo)
-    gear, z = drive.gearhead, drive.centre_distance_mm
-    places = screw_places(gear.screw_count, gear.bolt_circle_mm / 2, drive.gearhead_angle_deg)
-    return MotorSeat(
-        pocket_radius=_pocket_radius_mm(drive),
-        shelf=drive.support.motor_shelf_mm,
-        pilot_radius=gear.pilot_diameter_mm / 2,
-        screw_clearance=drive.screw(gear.screw).clearance_mm / 2,
-        # Angles seen from the front; the gearhead is drawn as seen from its face.
-        screws=tuple((x, z - y + 0.0) for x, y in places),
-    )
+    @property
+    def seat(self) -> MotorSeat:
+        """The seat on the plate."""
+        drive, gear, z = self.drive, self.drive.gearhead, self.drive.centre_distance_mm
+        places = screw_places(gear.screw_count, gear.bolt_circle_mm / 2, drive.gearhead_angle_deg)
+        return MotorSeat(
+            pocket_radius=self._pocket_radius_mm,
+            shelf=drive.support.motor_shelf_mm,
+            pilot_radius=gear.pilot_diameter_mm / 2,
+            screw_clearance=drive.screw(gear.screw).clearance_mm / 2,
+            # Angles seen from the front; the gearhead is drawn as seen from its face.
+            screws=tuple((x, z - y + 0.0) for x, y in places),
+        )
 
+    def flange(self, edge_mm: float, thread_mm: float) -> Flange:
+        """Outline of the plate round the seat; the frame's own screws stand beside motor and pocket.
 
-def seat_flange(drive: SpurDrive, edge_mm: float, thread_mm: float) -> Flange:
-    """Outline of the plate round the seat; the frame's own screws stand beside motor and pocket.
+        ``edge_mm``: from the axis of such a screw to the plate's edge; ``thread_mm``: its hole.
+        """
+        drive, pocket = self.drive, self._pocket_radius_mm
+        beside = max(body_radius_mm(drive) + drive.clearances.running_mm, pocket + POCKET_WEB_MM) + thread_mm / 2
+        reach = pocket + max(drive.support.side_wall_mm / 2, drive.frame_material.min_wall_mm)
+        return Flange(half_x=beside + edge_mm, back_y=-reach, front_y=reach, screws=(), dowels=())
 
-    ``edge_mm``: from the axis of such a screw to the plate's edge; ``thread_mm``: its hole.
-    """
-    if drive.servo is not None:
-        return _servo_flange(drive, drive.servo, edge_mm, thread_mm)
-    pocket = _pocket_radius_mm(drive)
-    beside = max(body_radius_mm(drive) + drive.clearances.running_mm, pocket + POCKET_WEB_MM) + thread_mm / 2
-    reach = pocket + max(drive.support.side_wall_mm / 2, drive.frame_material.min_wall_mm)
-    return Flange(half_x=beside + edge_mm, back_y=-reach, front_y=reach, screws=(), dowels=())
+    def shaft_end_z_mm(self, levels: LandLevels) -> float:
+        """End of the shaft."""
+        return levels.motor_shelf_bottom_z + self.drive.gearhead.shaft_length_mm
 
+    def bottom_z_mm(self, levels: LandLevels) -> float:
+        """Where the pulley begins: in the pocket, in front of the screws' heads if it does not fit between them."""
+        gear, running = self.drive.gearhead, self.drive.clearances.running_mm
+        screw = self.drive.screw(gear.screw)
+        between = (gear.bolt_circle_mm - screw.head_diameter_mm) / 2 - self.hub_radius_mm
+        heads = 0.0 if between >= running else screw.head_height_mm
+        pilot = max(gear.pilot_height_mm - self.drive.support.motor_shelf_mm, 0.0)
+        return levels.motor_shelf_top_z + max(heads, pilot) + running
 
-def _servo_flange(drive: SpurDrive, servo: Servo, edge_mm: float, thread_mm: float) -> Flange:
-    """As :func:`seat_flange`: up to the upper ear, and down to the lower one."""
-    wall = max(drive.support.side_wall_mm / 2, drive.frame_material.min_wall_mm)
-    reach = servo.ears_mm / 2 + wall
-    beside = servo.width_mm / 2 + drive.clearances.running_mm + wall + thread_mm / 2
-    return Flange(
-        half_x=beside + edge_mm, back_y=servo.axis_mm - reach, front_y=servo.axis_mm + reach, screws=(), dowels=()
-    )
+    def pulley(self, levels: LandLevels, plain: InputPulleyDims) -> InputPulleyDims:
+        """The pulley: a hub and the land of ``plain``, one that has bearings."""
+        bottom = self.bottom_z_mm(levels)
+        return replace(
+            plain,
+            journal_bottom_z=bottom,
+            lower_journal_radius=self.hub_radius_mm,
+            upper_neck_radius=plain.upper_land_radius,
+            upper_neck_top_z=levels.land_top_z,
+            upper_journal_radius=plain.upper_land_radius,
+            journal_top_z=levels.land_top_z,
+            slit_width=0.0,
+            slit_top_z=bottom,
+            **self._hub(levels, plain),
+        )
 
-
-def shaft_end_z_mm(drive: SpurDrive, levels: LandLevels) -> float:
-    """End of the shaft."""
-    return levels.motor_shelf_bottom_z + drive.gearhead.shaft_length_mm
-
-
-def pulley_bottom_z_mm(drive: SpurDrive, levels: LandLevels) -> float:
-    """Where the pulley begins: in the pocket, in front of the screws' heads if it does not fit between them."""
-    gear, running = drive.gearhead, drive.clearances.running_mm
-    if drive.servo is not None:
-        return levels.motor_shelf_bottom_z + drive.servo.horn_face_mm
-    screw = drive.screw(gear.screw)
-    between = (gear.bolt_circle_mm - screw.head_diameter_mm) / 2 - hub_radius_mm(drive)
-    heads = 0.0 if between >= running else screw.head_height_mm
-    pilot = max(gear.pilot_height_mm - drive.support.motor_shelf_mm, 0.0)
-    return levels.motor_shelf_top_z + max(heads, pilot) + running
-
-
-def bore_end_z_mm(drive: SpurDrive, levels: LandLevels) -> float:
-    """End of the bore: past the shaft's end, or through the pulley."""
-    end = shaft_end_z_mm(drive, levels) + BEYOND_SHAFT_MM
-    return end if end <= levels.land_top_z - END_WALL_MM else levels.land_top_z
-
-
-def overhung_pulley(drive: SpurDrive, levels: LandLevels, plain: InputPulleyDims) -> InputPulleyDims:
-    """The pulley: a hub and the land of ``plain``, one that has bearings."""
-    radius, bottom, servo = hub_radius_mm(drive), pulley_bottom_z_mm(drive, levels), drive.servo
-    if servo is not None:
-        return _on_horn(drive, servo, levels, plain)
-    screw = set_screw(drive)
-    return replace(
-        plain,
-        journal_bottom_z=bottom,
-        lower_journal_radius=radius,
-        lower_neck_bottom_z=levels.land_bottom_z,
-        lower_neck_radius=radius,
-        upper_neck_radius=plain.upper_land_radius,
-        upper_neck_top_z=levels.land_top_z,
-        upper_journal_radius=plain.upper_land_radius,
-        journal_top_z=levels.land_top_z,
-        bore_radius=drive.gearhead.shaft_diameter_mm / 2,
-        bore_top_z=bore_end_z_mm(drive, levels),
-        slit_width=0.0,
-        slit_top_z=bottom,
+    def _hub(self, levels: LandLevels, plain: InputPulleyDims) -> dict[str, Any]:
+        """The bore goes past the shaft's end, or through the pulley."""
+        screw, end = self.set_screw, self.shaft_end_z_mm(levels) + BEYOND_SHAFT_MM
         # Of a pulley further along the drum's axis as near to the motor as with the first, where its shaft is.
-        hub=SetHub(screw.name, screw.thread_mm, levels.land_bottom_z - drive.level_mm - hub_length_mm(drive) / 2),
-    )
+        screw_z = levels.land_bottom_z - self.drive.level_mm - self.hub_length_mm / 2
+        return {
+            "lower_neck_bottom_z": levels.land_bottom_z,
+            "lower_neck_radius": self.hub_radius_mm,
+            "bore_radius": self.drive.gearhead.shaft_diameter_mm / 2,
+            "bore_top_z": end if end <= levels.land_top_z - END_WALL_MM else levels.land_top_z,
+            "hub": SetHub(screw.name, screw.thread_mm, screw_z),
+        }
 
 
-def _on_horn(drive: SpurDrive, servo: Servo, levels: LandLevels, plain: InputPulleyDims) -> InputPulleyDims:
+class OnHorn(OnShaft):
     """A pulley whose flange is screwed on a servo's horn, over the head of the horn's own screw."""
-    screw, centre = drive.screw(servo.horn_screw), drive.screw(servo.centre_screw)
-    bottom = pulley_bottom_z_mm(drive, levels)
-    return replace(
-        plain,
-        journal_bottom_z=bottom,
-        lower_journal_radius=hub_radius_mm(drive),
-        lower_neck_bottom_z=bottom + flange_mm(drive, servo),
-        lower_neck_radius=plain.lower_land_radius,
-        upper_neck_radius=plain.upper_land_radius,
-        upper_neck_top_z=levels.land_top_z,
-        upper_journal_radius=plain.upper_land_radius,
-        journal_top_z=levels.land_top_z,
-        bore_radius=centre.head_diameter_mm / 2 + RECESS_MM,
-        bore_top_z=bottom + centre.head_height_mm + RECESS_MM,
-        slit_width=0.0,
-        slit_top_z=bottom,
-        horn=HornFlange(screw.name, screw.clearance_mm / 2, screw_places(servo.horn_screws, servo.horn_circle_mm / 2)),
-    )
+
+    def __init__(self, drive: SpurDrive, servo: Servo) -> None:
+        super().__init__(drive)
+        self.servo = servo
+
+    @property
+    def hub_radius_mm(self) -> float:
+        """Radius of the flange."""
+        return self.servo.horn_mm / 2
+
+    @property
+    def _flange_mm(self) -> float:
+        """Thickness of the flange: it takes the head of the horn's own screw, and a wall."""
+        centre = self.drive.screw(self.servo.centre_screw)
+        return centre.head_height_mm + RECESS_MM + self.drive.pulley_material.min_wall_mm
+
+    @property
+    def hub_length_mm(self) -> float:
+        """From the plate's front to the heads of the horn's screws: they and the flange stay behind the drum's rim."""
+        drive = self.drive
+        heads = drive.screw(self.servo.horn_screw).head_height_mm + drive.clearances.running_mm
+        return max(self.servo.horn_face_mm + self._flange_mm + heads - drive.support.plate_mm, 0.0)
+
+    @property
+    def seat(self) -> MotorSeat:
+        """The window in the plate; the servo's housing points away from the drum."""
+        drive, servo, play = self.drive, self.servo, self.drive.clearances.running_mm
+        half, middle = servo.body_mm / 2 + play, drive.centre_distance_mm + servo.axis_mm
+        wide, long = servo.hole_width_mm / 2, servo.hole_length_mm / 2
+        return MotorSeat(
+            pocket_radius=0.0,
+            shelf=0.0,
+            pilot_radius=0.0,
+            screw_clearance=drive.screw(drive.gearhead.screw).thread_mm / 2,
+            screws=tuple((x * wide, middle + z * long) for z in (-1, 1) for x in (-1, 1)),
+            window=(servo.width_mm / 2 + play, middle - half, middle + half),
+        )
+
+    def flange(self, edge_mm: float, thread_mm: float) -> Flange:
+        """See the base class: up to the upper ear, and down to the lower one."""
+        drive, servo = self.drive, self.servo
+        wall = max(drive.support.side_wall_mm / 2, drive.frame_material.min_wall_mm)
+        half_x = servo.width_mm / 2 + drive.clearances.running_mm + wall + thread_mm / 2 + edge_mm
+        back, front = (servo.axis_mm + sign * (servo.ears_mm / 2 + wall) for sign in (-1, 1))
+        return Flange(half_x=half_x, back_y=back, front_y=front, screws=(), dowels=())
+
+    def bottom_z_mm(self, levels: LandLevels) -> float:
+        """On the horn."""
+        return levels.motor_shelf_bottom_z + self.servo.horn_face_mm
+
+    def _hub(self, levels: LandLevels, plain: InputPulleyDims) -> dict[str, Any]:
+        servo, bottom = self.servo, self.bottom_z_mm(levels)
+        screw, centre = self.drive.screw(servo.horn_screw), self.drive.screw(servo.centre_screw)
+        places = screw_places(servo.horn_screws, servo.horn_circle_mm / 2)
+        return {
+            "lower_neck_bottom_z": bottom + self._flange_mm,
+            "lower_neck_radius": plain.lower_land_radius,
+            "bore_radius": centre.head_diameter_mm / 2 + RECESS_MM,
+            "bore_top_z": bottom + centre.head_height_mm + RECESS_MM,
+            "horn": HornFlange(screw.name, screw.clearance_mm / 2, places),
+        }
+
+
+def without_bearings(drive: SpurDrive) -> OnShaft:
+    """What carries the pulley of a drive whose inputs have no bearings of their own."""
+    return OnShaft(drive) if drive.servo is None else OnHorn(drive, drive.servo)
 
 
 class ServoHorn(Attachment):

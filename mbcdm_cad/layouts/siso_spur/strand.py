@@ -126,17 +126,14 @@ def no_strand(found: Strand) -> str:
     """Message for a strand that does not exist: pulleys that overlap, or an idler that the cable does not touch."""
     if np.isnan(found.length).any():
         rows = np.isnan(found.length).reshape(len(found.length), -1).any(axis=1)
-        name = _neighbours(int(np.argmax(rows)), len(found.length))
-        return f"free span: {name} overlap, so that the cable has no straight span; move the idlers or the input apart"
+        span = int(np.argmax(rows))
+        one = "the input" if span == 0 else f"idler {span}"
+        two = "the drum" if span == len(found.length) - 1 else f"idler {span + 1}"
+        why = "so that the cable has no straight span; move the idlers or the input apart"
+        return f"free span: {one} and {two} overlap, {why}"
     least = found.wraps.reshape(len(found.wraps), -1).min(axis=1)
     n = int(np.argmin(least))
     return (
         f"cable off idler {n + 1} of idlers.places: its wrap is {np.degrees(least[n]):.3g} deg (limit above 0); "
         "lower its x_mm, so that it presses the cable aside"
     )
-
-
-def _neighbours(span: int, spans: int) -> str:
-    one = "the input" if span == 0 else f"idler {span}"
-    two = "the drum" if span == spans - 1 else f"idler {span + 1}"
-    return f"{one} and {two}"

@@ -18,7 +18,7 @@ from mbcdm_cad.layouts.preload import preload_rule
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.siso_bevel.sizing import DirectKnown
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
+from mbcdm_cad.layouts.siso_spur.sizing.basis import SpurKnown
 from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.layouts.trial_drives import TrialDrives
 from mbcdm_cad.parts.drum_sector.part import DrumSector

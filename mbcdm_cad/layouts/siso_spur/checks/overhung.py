@@ -10,7 +10,7 @@ from mbcdm_cad.checks.geometry import HOLE_WEB_MM, web_between
 from mbcdm_cad.checks.input_pulley import GRIP_DIAMETERS
 from mbcdm_cad.design.bought import Servo
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.siso_spur.pulley import MotorSeat, hub_radius_mm, set_screw, shaft_end_z_mm
+from mbcdm_cad.layouts.siso_spur.pulley import MotorSeat, without_bearings
 from mbcdm_cad.layouts.structure import lash_rad, overhung_sag_mm, structure_of
 from mbcdm_cad.parts.fits import clamp_force_N
 
@@ -89,7 +89,7 @@ def motor_shaft_sag(s: SpurLayout) -> Comparison:
 )
 def pulley_set_screws(s: SpurLayout) -> Findings:
     """Torque that the pulley's two set screws hold on the round shaft, over the largest torque of the input."""
-    screw, radius = set_screw(s.drive), s.drive.gearhead.shaft_diameter_mm / 2
+    screw, radius = without_bearings(s.drive).set_screw, s.drive.gearhead.shaft_diameter_mm / 2
     holds = set_screws_hold_Nmm(screw, radius)
     needed = s.loads.highest_input_Nm * 1e3
     yield (
@@ -109,7 +109,7 @@ def pulley_set_screws(s: SpurLayout) -> Findings:
 def hub_walls_of_pulley(s: SpurLayout) -> Findings:
     """Walls of the pulley round its bore, and whole set screws in the hub."""
     drive, pulley = s.drive, s.inputs[0]
-    screw, limit = set_screw(drive), drive.pulley_material.min_wall_mm
+    screw, limit = without_bearings(drive).set_screw, drive.pulley_material.min_wall_mm
     wall = pulley.lower_surface_radius - pulley.bore_radius
     yield "wall of the land round the bore, or root of its groove", wall, limit
     what = f"hub's wall over the length of an {screw.name}"
@@ -127,7 +127,7 @@ def motor_shaft_grip(s: SpurLayout) -> Findings:
     """The shaft is in the pulley over its diameter, and past the set screws."""
     drive, pulley = s.drive, s.inputs[0]
     assert pulley.hub is not None
-    end = min(shaft_end_z_mm(drive, s.levels), pulley.journal_top_z)
+    end = min(without_bearings(drive).shaft_end_z_mm(s.levels), pulley.journal_top_z)
     what = f"{drive.mounted}'s shaft"
     yield f"{what} inside the pulley", end - pulley.journal_bottom_z, GRIP_DIAMETERS * drive.gearhead.shaft_diameter_mm
     yield f"{what} past its set screws", end - pulley.hub.screw_z - pulley.hub.thread / 2, 0.0
@@ -250,7 +250,7 @@ def motor_seat(s: SpurLayout) -> Findings:
 def hub_and_drum(s: SpurLayout) -> Comparison:
     """Gap between the hub with its set screws and the drum's rim with its cables."""
     drive = s.drive
-    gap = drive.centre_distance_mm - drive.drum_radius_mm - s.flank_mm - hub_radius_mm(drive)
+    gap = drive.centre_distance_mm - drive.drum_radius_mm - s.flank_mm - without_bearings(drive).hub_radius_mm
     if drive.servo is not None:
         # Flange, horn and the heads on it are behind the rim.
         heads = s.inputs[0].lower_neck_bottom_z + drive.screw(drive.servo.horn_screw).head_height_mm

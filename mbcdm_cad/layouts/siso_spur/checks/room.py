@@ -12,7 +12,7 @@ from mbcdm_cad.checks.geometry import CABLE_GAP_MM, HOLE_WEB_MM, frame_front, ri
 from mbcdm_cad.checks.size import box_checks, mass_estimate
 from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.design.paths import at
-from mbcdm_cad.layouts.siso_spur.drive import MOST_SPREAD, SpurDrive
+from mbcdm_cad.layouts.siso_spur.drive import MOST_SPREAD
 from mbcdm_cad.layouts.siso_spur.idlers import FLANGE_MM
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims, reach_mm
@@ -64,16 +64,13 @@ def bodies_behind(s: SpurLayout) -> Findings:
         yield "motor head from the drum's boss and encoder", box, running
 
 
-def _head_mm(s: SpurLayout, f: YokeDims) -> tuple[float, float, float]:
-    """Of the motor head: its motor beside the input's axis, half its width, and its front in z."""
-    return s.head.beside_y, s.head.outer_x, f.axis_z + s.head.front_y
-
-
 def outline(s: SpurLayout, f: YokeDims, d: DrumDims) -> NDArray[np.float64]:
     """Points (n, 2) in x and z that bound the box of one input with its sector, the input above the drum; mm."""
     drive = s.drive
     # The plate alone bears a motor that carries the pulley.
-    beside, wide_head, front = (0.0, f.half_width, f.plate_top_z) if f.motor else _head_mm(s, f)
+    beside, wide_head, front = 0.0, f.half_width, f.plate_top_z
+    if f.motor is None:
+        beside, wide_head, front = s.head.beside_y, s.head.outer_x, f.axis_z + s.head.front_y
     sector = [
         rim_points(d),
         wrap_points(d, s.flank_mm),
@@ -106,11 +103,6 @@ def box_mm(s: SpurLayout) -> tuple[float, float, float]:
 
 
 _sectors_check = check_for(lambda drive: len(drive.angles_rad) > 1)
-
-
-def is_parallel(drive: SpurDrive) -> bool:
-    """Whether several cables share the load of one input."""
-    return drive.parallel > 1
 
 
 @_sectors_check("Gap between sectors on the shaft", at.clearances.running_mm, *_APART)
@@ -185,7 +177,7 @@ def dowel_holes(s: SpurLayout) -> Findings:
     "model: EA, length, pitch of the stud, fits of the lands; a quarter of a flat: estimate",
     up(at.rope.preload_N),
     advice="a drum.spring under the nuts, a longer span, less travel or less ratio lower it",
-    applies=is_parallel,
+    applies=lambda drive: drive.parallel > 1,
     warn=True,
 )
 def parallel_spread(s: SpurLayout) -> Comparison:

@@ -58,7 +58,7 @@ def walls(s: SpurLayout) -> Findings:
     if s.drive.overhung:
         return
     yield "wall of the motor head", s.head.outer_x - s.head.inner_x, limit
-    yield "encoder shelf under its bearing", f.seat_edge_z - f.shelf_bottom_z, limit
+    yield "encoder shelf under its bearing", f.axis_z - f.seat_radius - f.shelf_bottom_z, limit
     yield "encoder shelf beside its bearing", f.shelf_half_width - f.seat_radius, limit
     heads = f.encoder_circle_radius + f.encoder_head_radius
     yield "encoder shelf beside the heads of its screws", f.shelf_half_width - heads, limit

@@ -15,9 +15,8 @@ from mbcdm_cad.checks.geometry import CABLE_GAP_MM
 from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.checks.transfer import MORE_WRAP, SLIPS, WRAPS, stack_check, transmission_error, wrap_under_turn
 from mbcdm_cad.layouts.siso_spur.checks.winding import turn_distance_mm
-from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.siso_spur.pulley import hub_radius_mm
+from mbcdm_cad.layouts.siso_spur.pulley import without_bearings
 from mbcdm_cad.model.tolerance import Contribution, StackUp, tightest
 from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
 from mbcdm_cad.parts.drum_sector.sizes import pocket_end_rad
@@ -92,7 +91,7 @@ def terminal_clears_input(s: SpurLayout) -> Findings:
     drive, f = s.drive, s.frame
     reach = max(s.inputs[0].lower_land_radius, drive.input_radius_mm + s.flank_mm)
     if drive.whole_drum:
-        yield from _come_by(s, max(reach, hub_radius_mm(drive)) if drive.overhung else reach)
+        yield from _come_by(s, max(reach, without_bearings(drive).hub_radius_mm) if drive.overhung else reach)
         return
     for t in s.drum.tensioners:
         turn = -t.side * s.half_travel_rad
@@ -122,17 +121,12 @@ def _come_by(s: SpurLayout, reach_mm: float) -> Findings:
             yield what, gap, drive.clearances.running_mm
 
 
-def is_whole(drive: SpurDrive) -> bool:
-    """Whether the drum is closed all round."""
-    return drive.whole_drum
-
-
 @check(
     "Turns on a whole drum lie clear of each other and of the terminals",
     "derived: lead x ratio; material: min_wall_mm",
     up("rope.helix_lead_mm"),
     advice="choose a smaller drum.tensioner",
-    applies=is_whole,
+    applies=lambda drive: drive.whole_drum,
 )
 def turns_on_drum(s: SpurLayout) -> Findings:
     """Turns of a cable on a whole drum beside each other, and beside the pocket of its terminal.

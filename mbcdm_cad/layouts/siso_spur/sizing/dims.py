@@ -101,11 +101,6 @@ def idler_guesses(given: SpurKnown, drum_mm: float) -> dict[str, Any]:
     }
 
 
-def _guessed(given: SpurKnown) -> str:
-    """Bearing of the pass before."""
-    return str(given.guesses["idlers.bearing"])
-
-
 @rule(
     "idlers.radius_mm",
     "the limit of the bend ratio, a quarter more than the input's radius, or room for the bearing",
@@ -114,8 +109,8 @@ def _guessed(given: SpurKnown) -> str:
 )
 def radius(given: SpurKnown) -> Found:
     """The limit of the bend ratio, a quarter more than the input, and room for the bearing."""
-    stated = given.has("idlers.bearing")
-    bearing = given.entry("bearings", "idlers.bearing") if stated else given.entries("bearings")[_guessed(given)]
+    stated, bearings = given.has("idlers.bearing"), given.entries("bearings")
+    bearing = given.entry("bearings", "idlers.bearing") if stated else bearings[given.guesses["idlers.bearing"]]
     needs = {
         "bend_ratio": given[at.limits.bend_ratio_min] * given.d_mm / 2,
         "life": REVERSE * given.input_mm,

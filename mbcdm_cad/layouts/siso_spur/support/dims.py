@@ -20,7 +20,7 @@ from mbcdm_cad.checks.geometry import HOLE_WEB_MM
 from mbcdm_cad.design.bought import InsertSpec, Screw
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, boss_front_y_mm, drum_inner_y_mm, groove_depth_mm, run_out_mm
 from mbcdm_cad.layouts.siso_spur.idlers import FLANGE_MM, StandDims, stands
-from mbcdm_cad.layouts.siso_spur.pulley import MotorSeat, hub_length_mm, motor_seat, seat_flange
+from mbcdm_cad.layouts.siso_spur.pulley import MotorSeat, without_bearings
 from mbcdm_cad.parts.bodies import screw_places
 from mbcdm_cad.parts.boss import BEARING_WALL_MM, BossFlange, boss
 from mbcdm_cad.parts.drum_sector.design import END_PLAY_MM, SHELF_GAP_MM, LandLevels
@@ -63,7 +63,7 @@ def spur_stack(drive: SpurDrive) -> SpurStack:
     last = drive.level_mm + drive.band_mm + land
     plane = abs(drive.terminal_mm)
     drum_inner = drum_inner_y_mm(drive)
-    hub = hub_length_mm(drive) if drive.overhung else 0.0
+    hub = without_bearings(drive).hub_length_mm if drive.overhung else 0.0
     # Heads on the flange of a servo's horn stay behind the rim too.
     land_or_rim = min(-land, drum_inner - running) if drive.servo is not None else -land
     front = min(-plane - terminal_half_mm(drive), drum_inner, land_or_rim - hub, idlers_back_mm(drive)) - running
@@ -170,11 +170,6 @@ class YokeDims(dims.HeadFrameDims):
         """Face of the encoder shelf towards the pulley, as a coordinate along -Y."""
         return -self.levels.top_plate_bottom_z
 
-    @property
-    def seat_edge_z(self) -> float:
-        """Lowest point of the bearing's seat in the encoder's shelf."""
-        return self.axis_z - self.seat_radius
-
 
 def _round_thread_mm(drive: SpurDrive, screw: Screw, cut_mm: float) -> float:
     """Distance from a screw's axis to the next edge: ``cut_mm``, or more if the wall of an insert needs it."""
@@ -195,7 +190,7 @@ def flange(drive: SpurDrive) -> dims.Flange:
     """Flange of the motor head on the back of the plate, or outline round the motor; y points away from the drum."""
     if drive.overhung:
         mount = drive.screw(drive.support.mount_bolt)
-        return seat_flange(drive, _round_thread_mm(drive, mount, mount.thread_mm), mount.thread_mm)
+        return without_bearings(drive).flange(_round_thread_mm(drive, mount, mount.thread_mm), mount.thread_mm)
     inner = dims.inner_half_width_mm(drive)
     outer = inner + drive.support.side_wall_mm / 2
     screw = dims.flange_screw(drive)
@@ -310,7 +305,7 @@ def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: dims.F
     if not drive.overhung:
         return whole
     top = z + head.front_y
-    seat = motor_seat(drive)
+    seat = without_bearings(drive).seat
     return replace(
         whole,
         shelf_half_width=0.0,
