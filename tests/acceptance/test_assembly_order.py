@@ -19,8 +19,7 @@ from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.bill import CABLE, AssemblyStep, cable_item
 from mbcdm_cad.parts.bodies import CableRod
 from mbcdm_cad.workshop.kernel import kernel_shape, location
-from tests.support.motors_above import ABOVE
-from tests.support.reference import ROOT
+from tests.support.reference import ABOVE, ROOT
 
 pytestmark = pytest.mark.slow
 
@@ -279,11 +278,6 @@ def solids(dims: BevelLayout) -> Solids:
     return drawn(dims)
 
 
-def test_every_item_joins_in_exactly_one_step(dims: BevelLayout) -> None:
-    joined = [name for step in dims.assembly_order for name in step.items]
-    assert sorted(joined) == sorted(item.name for item in bill(dims).items)
-
-
 def test_reference_goes_together_in_the_order_reported(dims: BevelLayout, solids: Solids) -> None:
     found = list(faults(Workshop(dims, solids), dims.assembly_order))
     assert not found, "\n".join(found)
@@ -311,9 +305,11 @@ def raised_solids(raised: BevelLayout) -> Solids:
     return drawn(raised)
 
 
-def test_every_item_joins_in_exactly_one_step_with_motors_above(raised: BevelLayout) -> None:
-    joined = [name for step in raised.assembly_order for name in step.items]
-    assert sorted(joined) == sorted(item.name for item in bill(raised).items)
+@pytest.mark.parametrize("name", ["dims", "raised"])
+def test_every_item_joins_in_exactly_one_step(request: pytest.FixtureRequest, name: str) -> None:
+    layout: BevelLayout = request.getfixturevalue(name)
+    joined = [name for step in layout.assembly_order for name in step.items]
+    assert sorted(joined) == sorted(item.name for item in bill(layout).items)
 
 
 def test_motors_above_go_together_in_the_order_reported(raised: BevelLayout, raised_solids: Solids) -> None:

@@ -23,6 +23,7 @@ from tests.support.bench_effects import Effect
 from tests.support.bench_motion import Bench, Plan, chain_of
 from tests.support.bench_score import interval, outcome_of, score_of
 from tests.support.reference import DRIVE, PARAMS, ROOT
+from tests.support.reference import REFERENCE as OWN_DESIGN
 
 CHAIN_60 = replace(chain_of(DRIVE), stiffness=60e9 * 0.3117e-6)
 STILL = np.zeros((2, 200))
@@ -169,7 +170,6 @@ def test_loop_finds_the_wrap_that_is_there_and_no_creep_where_it_is_enough(drive
     assert set(named[1400.0]) == {"winding_history"}, named[1400.0].keys()
 
 
-OWN_DESIGN = Path(__file__).resolve().parents[2] / "params" / "mbcdm.yaml"
 OWN_DRIVE = load_design(OWN_DESIGN).drive
 COUNTS, DRUM_STEP_DEG, ARM_M, TARE_N = 4096, 7.8e-5, 0.080, 1.9
 RUNOUT = Effect("once_per_rev", "output_encoder", {"amplitude_rad": 80e-6, "phase_rad": 0.7}, stage="drum")

@@ -24,8 +24,8 @@ from mbcdm_cad.cli import run
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import layout_of, load_text, short_design_text
 from tests.support.checked import of_params
+from tests.support.reference import ROOT
 
-ROOT = Path(__file__).parents[2]
 PAGES = ("tour.md", *(f"how-to/{path.name}" for path in sorted((ROOT / "docs/how-to").glob("*.md"))))
 _BLOCK = re.compile(r"^```(sh|python)(?: (\w+))?\n(.*?)^```$", re.M | re.S)
 

@@ -30,10 +30,9 @@ from tests.acceptance.test_docs_commands import failing as failing_edit
 from tests.acceptance.test_docs_commands import requirements as reference
 from tests.support.frame_fe import SupportFE, brick_stiffness, seats
 from tests.support.interference_of_solids import body, run_of
-from tests.support.motors_above import ABOVE
 from tests.support.random_generator import PRINTED, Passing, failing, load, requirements
+from tests.support.reference import ABOVE, PARAMS, REFERENCE
 
-REFERENCE = Path(__file__).parents[2] / "params" / "mbcdm.yaml"
 COARSE_MM, FINE_MM = 2.0, 1.6
 # The coarse mesh is stiffer than the fine one by up to this, the fine one than the limit of ever finer ones by as much.
 MESH_ERROR = 0.06
@@ -143,7 +142,6 @@ def test_estimate_agrees_with_finite_elements_for_motors_above() -> None:
 
 pytest.importorskip("gmsh", reason="solid elements: pip install --require-hashes -r tests/requirements-solids.lock")
 pytest.importorskip("skfem", reason="solid elements: pip install --require-hashes -r tests/requirements-solids.lock")
-PARAMS = Path(__file__).parents[2] / "params"
 
 
 @pytest.mark.slow

@@ -20,8 +20,8 @@ from mbcdm_cad.storage.folders import ORIGIN_NAME
 from mbcdm_cad.workshop.export.step import assembly_step
 from tests.acceptance.check_output import faults
 from tests.acceptance.freecad import differences, freecad_findings, freecad_program, read_parts
+from tests.support.reference import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 REFERENCE = ROOT / "params" / "mbcdm.yaml"
 
 

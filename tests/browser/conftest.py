@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 
 from mbcdm_cad.cli import run
+from tests.support.reference import REFERENCE
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-REFERENCE = Path(__file__).parents[2] / "params" / "mbcdm.yaml"
 # No GPU is needed: the browser draws in software.
 FLAGS = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox")
 READY_MS = 600_000

@@ -16,6 +16,7 @@ from mbcdm_cad.optimising.result import optimum_page
 from mbcdm_cad.report.comparison import compared
 from mbcdm_cad.report.page.stage import comparison_page
 from tests.support.optimum import optimum
+from tests.support.reference import REFERENCE
 
 LARGEST_BYTES = 5_000_000
 Open = Callable[..., Any]  # see conftest.Opened
@@ -247,7 +248,6 @@ def test_fits_the_width(opened: Open, artefacts: Path, width: int, scheme: str) 
     assert one.problems == []
 
 
-REFERENCE = Path(__file__).parents[2] / "params" / "mbcdm.yaml"
 TIME = np.linspace(0.0, 60.0, 600)
 DRUM = 0.4 * np.sin(TIME)
 BEFORE_RAD = 1e-4 * np.cos(6 * DRUM)

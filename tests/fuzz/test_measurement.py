@@ -3,7 +3,7 @@
 import random
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
 from typing import TypeVar
@@ -25,8 +25,8 @@ from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.measurement.vet import refusals, vet
 from mbcdm_cad.routes import Floats
 from tests.support.bench_cut import ending
-from tests.support.mutants import mutate
 from tests.support.reference import DRIVE
+from tests.support.reference import REFERENCE as PARAMS
 
 PAPER = Path(__file__).parents[2] / "params" / "measurements" / "paper.yaml"
 MAPPING = """\
@@ -236,7 +236,6 @@ def test_four_hundred_mutants_of_published_figures(tmp_path: Path) -> None:
     assert 40 < read < 300, f"{read} of 400 read"
 
 
-PARAMS = Path(__file__).parents[2] / "params" / "mbcdm.yaml"
 SPICE = [
     b"&a ",
     b"*a",
@@ -387,3 +386,33 @@ def test_any_run_is_judged_or_told_off(seed: int) -> None:
     except MbcdmError:
         return
     assert result.verdict in VERDICTS and result_text(result).startswith(result.sentence)
+
+
+def mutate(content: bytes, spice: Sequence[bytes], rng: random.Random) -> bytes:
+    """One to eight random edits: flips, cuts, insertions, repeats, swaps of lines, other words, truncation."""
+    data = bytearray(content)
+    for _ in range(rng.choice((1, 1, 1, 2, 3, 8))):
+        at = rng.randrange(len(data) + 1)
+        end = min(len(data), at + rng.choice((1, 1, 2, 5, 20, 200)))
+        action = rng.randrange(8)
+        if action == 0 and at < len(data):
+            data[at] = rng.randrange(256)
+        elif action == 1:
+            del data[at:end]
+        elif action == 2:
+            data[at:at] = rng.choice(spice)
+        elif action == 3:
+            data[at:at] = data[at:end] * rng.choice((1, 2, 50))
+        elif action == 4:
+            lines = bytes(data).split(b"\n")
+            i, j = rng.randrange(len(lines)), rng.randrange(len(lines))
+            lines[i], lines[j] = lines[j], lines[i]
+            data = bytearray(b"\n".join(lines))
+        elif action == 5:
+            data[at:end] = bytes(rng.randrange(256) for _ in range(end - at))
+        elif action == 6:
+            old, new = rng.choice(spice), rng.choice(spice)
+            data = bytearray(bytes(data).replace(old, new, rng.choice((1, 5, -1))))
+        elif action == 7 and rng.random() < 0.2:
+            del data[at:]
+    return bytes(data)

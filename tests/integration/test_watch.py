@@ -13,7 +13,8 @@ from typing import Any
 
 import pytest
 
-REFERENCE = Path(__file__).parents[2] / "params" / "mbcdm.yaml"
+from tests.support.reference import REFERENCE
+
 WAIT_S = 600.0
 
 pytestmark = pytest.mark.slow

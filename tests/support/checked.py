@@ -1,7 +1,6 @@
 """Designs of params/, sized once, and results of all checks without remedies; a rig that is held."""
 
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,8 +15,7 @@ from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.rig.experiment import Experiment
 from mbcdm_cad.rig.quasistatic import simulate
 from mbcdm_cad.routes import Floats
-
-PARAMS = Path(__file__).parents[2] / "params"
+from tests.support.reference import PARAMS
 
 
 @cache

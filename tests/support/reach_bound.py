@@ -8,23 +8,16 @@ are only a small part of the checks.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from math import hypot, inf, pi, radians, tan
 from typing import Any, Protocol, Self, TypeVar
 
-import yaml
-
 from mbcdm_cad.checks.input_pulley import SHOULDER_MM
 from mbcdm_cad.checks.ratios import ANCHOR_RATIO
 from mbcdm_cad.design.catalogue import package_entries
-from mbcdm_cad.errors import InputError
 from mbcdm_cad.parts.input_pulley.dims import STOP_WALL_MM
-from mbcdm_cad.solving.question import question_of
-from mbcdm_cad.solving.solve import solve
-from tests.support.random_search import search
 
 # Of the design files in question, which name no limits of their own: least D/d of wire and of fibre, factor on the
 # breaking load, largest fleet angle of all surfaces.
@@ -159,59 +152,3 @@ def _placed(a: Asked, ratio: float, rope: Mapping[str, Any]) -> bool:
     guide = (least + WALL_MM + d / 2) * outer / a.radius
     reach = guide + outer / ratio
     return a.distance >= max(hypot(reach, walk / tan(radians(FLEET_DEG))), reach + d + PULLEY_GAP_MM)
-
-
-BOUND, SEARCHES, SOLVED, FOUND, OPEN = "bound", "searches", "solved", "found", "open"
-WORDS = {
-    SOLVED: "get a design from 'mbcdm solve'",
-    FOUND: "get one from the independent search alone",
-    BOUND: "exclude each other by a bound over the catalogue",
-    SEARCHES: "exclude each other by both searches, and a design passes after one is relaxed",
-    OPEN: "are neither: no design found, and no requirement that helps when it is relaxed",
-}
-
-
-@dataclass(frozen=True)
-class Proof:
-    """``kind``: one of :data:`WORDS`; ``names``: the requirements that exclude each other, or what was moved."""
-
-    seed: int
-    kind: str
-    names: tuple[str, ...]
-
-
-def proof(seed: int, data: dict[str, Any], *, searched: bool = True) -> Proof:
-    """Of one file that does not pass. Without ``searched`` only the bound is asked, which takes a tenth of a second."""
-    names = excluding(asked(data))
-    if names:
-        return Proof(seed, BOUND, names)
-    if not searched:
-        return Proof(seed, OPEN, ())
-    try:
-        solution = solve(question_of(yaml.safe_dump(data, sort_keys=False)))
-    except InputError as error:
-        return Proof(seed, OPEN, (str(error.problems[0].what),))
-    if solution.conflict is None:
-        return Proof(seed, SOLVED, tuple(change.field for change in solution.changes))
-    found = search(data)
-    if found is not None:
-        return Proof(seed, FOUND, tuple(found))
-    conflict = solution.conflict
-    gives = (*conflict.either, *conflict.first) if conflict.either else ()
-    return Proof(seed, SEARCHES if gives else OPEN, tuple(sorted({way.field for way in gives})))
-
-
-def summary(passing: int, count: int, proofs: Sequence[Proof]) -> Iterator[str]:
-    """How many files of each kind, which sets exclude each other, and the files that are left."""
-    kinds = Counter(found.kind for found in proofs)
-    yield f"{passing} of {count} pass every check by the rules alone"
-    yield from (f"{kinds[kind]} {words}" for kind, words in WORDS.items())
-    settled = passing + kinds[SOLVED] + kinds[BOUND] + kinds[SEARCHES]
-    yield f"{settled} of {count} settled ({settled / count:.1%})"
-    sets = Counter((found.kind, found.names) for found in proofs if found.kind in (BOUND, SEARCHES))
-    yield from (f"  {number:>4} {kind:<9}{', '.join(names)}" for (kind, names), number in sets.most_common())
-    yield from (
-        f"  seed {found.seed}: {found.kind} {', '.join(found.names)}"
-        for found in proofs
-        if found.kind in (SOLVED, FOUND, OPEN)
-    )

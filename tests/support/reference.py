@@ -12,4 +12,15 @@ Says = Callable[..., Any]
 
 ROOT = Path(__file__).parents[2]
 PARAMS = ROOT / "params"
-DRIVE = load_design(PARAMS / "mbcdm.yaml").drive
+REFERENCE = PARAMS / "mbcdm.yaml"
+DRIVE = load_design(REFERENCE).drive
+
+
+ABOVE = """
+name: above
+configuration: miso_bevel
+travel: {half_angle_deg: 35.0}
+transmission: {ratio: 9.0, drum_radius_mm: 54.0}
+loads: {peak_torque_Nm: 3.15}
+drive: {motor_side: above}
+"""

@@ -20,10 +20,9 @@ from mbcdm_cad import api, cli
 from mbcdm_cad.cli.group import mbcdm
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.loader import load_text
-from tests.support.reference import Says
+from tests.support.reference import ROOT, Says
 from tests.unit.solving.test_solve import PINNED
 
-ROOT = Path(__file__).parents[3]
 PARAMS = ROOT / "params" / "mbcdm.yaml"
 
 # The promise to scripts: a change here is a change of the API and belongs into the notes of a release.

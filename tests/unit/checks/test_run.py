@@ -5,7 +5,6 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 from math import isfinite
-from pathlib import Path
 from textwrap import dedent
 from typing import Any, NamedTuple
 
@@ -29,6 +28,8 @@ from mbcdm_cad.layouts.check_design import checks_of, known_ids, run_checks
 from mbcdm_cad.layouts.loader import layout_of, load_design, load_text, reference_data
 from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
 from mbcdm_cad.layouts.miso_bevel.layout import VARIABLES, BevelLayout
+from tests.support.reference import PARAMS
+from tests.support.reference import REFERENCE as OVERRIDES
 from tests.unit.checks.designs import (
     Change,
     loaded,
@@ -42,8 +43,6 @@ from tests.unit.checks.designs import (
     to,
     with_cable,
 )
-
-OVERRIDES = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 
 
 def by_id(results: tuple[CheckResult, ...]) -> dict[str, CheckResult]:
@@ -243,7 +242,6 @@ def test_a_figure_that_is_zero_but_for_rounding_is_zero() -> None:
         assert not result.limit or result.actual == 0.0 or abs(result.actual or 0.0) > 1e-7 * result.limit, result
 
 
-PARAMS = Path(__file__).parents[3] / "params"
 BY_ID = {check.id: check for check in CHECKS}
 CHANGE = re.compile(r"(?:raise|lower) ([\w.]+) from \S+ to at (?:least|most) ([-\d.e]+)")
 SCALE = re.compile(r"scale (?:transmission\.drum_radii_mm|all radii of transmission) by at (?:least|most) ([\d.e]+)")

@@ -28,6 +28,7 @@ from mbcdm_cad.planning.plan import plan_of
 from mbcdm_cad.report.check_report import CheckReport
 from mbcdm_cad.rig.bench import BenchLimits
 from mbcdm_cad.rig.experiment import Experiment, read_experiment
+from tests.support.reference import REFERENCE as DESIGN
 from tests.support.reference import Says
 
 FIELDS = {"id", "title", "status", "actual", "limit", "unit", "margin", "message", "remedy", "source", "waived_reason"}
@@ -376,7 +377,6 @@ def test_a_complete_file_is_told_beside_what_the_rules_give(capsys: pytest.Captu
     assert "given; its rule gives 34.5 (fleet_angle" in lines["transmission.centre_distance_mm"]
 
 
-DESIGN = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 DRIVE = load_design(DESIGN).drive
 
 

@@ -10,9 +10,8 @@ import pytest
 
 from mbcdm_cad import cli
 from mbcdm_cad.layouts.loader import load_design, new_design_text
+from tests.support.reference import REFERENCE as PARAMS
 from tests.support.reference import Says
-
-PARAMS = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 
 
 def mbcdm(*arguments: str | Path, **more: object) -> subprocess.CompletedProcess[str]:

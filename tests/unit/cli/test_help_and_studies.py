@@ -17,9 +17,8 @@ from mbcdm_cad.cli.commands_on_designs import CATALOGUE_KINDS
 from mbcdm_cad.cli.commands_that_draw import VIEW_NAMES
 from mbcdm_cad.cli.group import mbcdm
 from mbcdm_cad.design.catalogue import KINDS
-from tests.support.reference import Says
+from tests.support.reference import ROOT, Says
 
-ROOT = Path(__file__).parents[3]
 PARAMS = ROOT / "params" / "mbcdm.yaml"
 
 

@@ -23,8 +23,8 @@ from mbcdm_cad.design.yamltree import parse
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.life import life_of
 from mbcdm_cad.layouts.loader import design_file, layout_of, load_design, load_text, new_design_text, reference_data
-
-PARAMS = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
+from tests.support.reference import REFERENCE as PARAMS
+from tests.support.reference import ROOT
 
 
 def refusal(text: str) -> str:
@@ -277,7 +277,6 @@ def test_many_movements_count_by_classes_that_take_no_life_away(tmp_path: Path) 
     assert exact <= mean <= 1.2 * exact, (exact, mean)
 
 
-ROOT = Path(__file__).parents[3]
 NODES = design_file().nodes
 
 

@@ -25,8 +25,8 @@ from mbcdm_cad.parts.sheet import Linear, Vector
 from mbcdm_cad.workshop.assembly_sheet import SeenBody, assembly_sheet, numbers, pointers
 from tests.acceptance.freecad import freecad_program, run_in_freecad
 from tests.support import drawing_reader
+from tests.support.reference import ROOT
 
-ROOT = Path(__file__).parents[3]
 _FREECAD = """
 import FreeCAD, json, os
 settings = FreeCAD.ParamGet("User parameter:BaseApp/Preferences/Mod/Draft")

@@ -2,7 +2,6 @@
 
 from collections import Counter
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,8 +19,8 @@ from mbcdm_cad.model.bulk import preload_table
 from mbcdm_cad.model.rope_zones import Level, rope_life
 from mbcdm_cad.report.duty import life_report, life_shown
 from tests.support.checked import result, results, short_file
+from tests.support.reference import PARAMS
 
-PARAMS = Path(__file__).parents[3] / "params"
 REFERENCES = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel")
 # One more, with an input away from the drum.
 LED = """\

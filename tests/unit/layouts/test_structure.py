@@ -22,8 +22,8 @@ from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.layouts.turns import implied_moduli_GPa
 from mbcdm_cad.model.stiffness import drum_backlash
 from tests.support.checked import failing, of_params, short_file
+from tests.support.reference import PARAMS
 
-PARAMS = Path(__file__).parents[3] / "params"
 REFERENCES = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel")
 
 

@@ -17,6 +17,7 @@ from mbcdm_cad.live.watch import HOST, Server, WatchState
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.workshop.makefiles import make_part_files
 from mbcdm_cad.workshop.store import StoredPart
+from tests.support.reference import REFERENCE
 
 Ask = Callable[[Server, aiohttp.ClientSession], Awaitable[None]]
 
@@ -116,9 +117,6 @@ def test_a_taken_port_is_told_in_one_sentence(folder: Path) -> None:
 
 
 # The preview of a design under `mbcdm watch`: the order of its work, and a part without a mesh.
-
-
-REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 
 
 def test_pulleys_come_first_and_then_the_most_work(tmp_path: Path) -> None:

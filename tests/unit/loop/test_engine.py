@@ -6,7 +6,6 @@ the judge of runs made by other means (benchmarks/judge.py).
 
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -27,8 +26,9 @@ from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.routes import Floats
 from tests.support.bench_change import simulate_change
 from tests.support.bench_data import through_files
+from tests.support.reference import DRIVE, REFERENCE
+from tests.support.reference import REFERENCE as DESIGN
 
-REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 LOADED = load_design(REFERENCE)
 STEP = 1.9175e-4
 Added = Callable[[Floats, Floats], Floats]
@@ -159,7 +159,6 @@ def test_runs_share_what_they_have_in_common() -> None:
     assert len(result.traces) == 2
 
 
-DESIGN = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 RATIO, NOISE_RAD, STEP_RAD = 8.0, 3e-5, 2e-5
 T = np.arange(0.0, 100.0, 0.02)
 ANGLE = 0.6 * np.sin(2.0 * np.pi * T / 9.0)
@@ -228,7 +227,6 @@ def test_a_drive_that_changes_on_a_bench_of_other_code_is_named(case: str) -> No
     assert at.low - 0.1 < at_s < at.high + 0.1, (at_s, at, result.sentence)
 
 
-DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 D: DriveSI = layout_of(DRIVE).si
 PLAY = 1e-3
 

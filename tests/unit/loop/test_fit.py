@@ -26,6 +26,7 @@ from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.planning.plan import planned_fitter
 from mbcdm_cad.routes import Floats
+from tests.support.reference import DRIVE
 
 D = layout_of(load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive).si
 RATIO = float(np.mean(D.total_ratio))
@@ -132,7 +133,6 @@ def test_a_step_that_meets_a_bound_is_the_best_within_it() -> None:
     assert stopped > 20, f"only {stopped} steps met the bound"
 
 
-DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 SIZES = {"friction (bearing torque)": [0.2], "lash input_right (play at an input)": [5e-3, 0.0]}
 
 

@@ -21,8 +21,8 @@ from mbcdm_cad.loop.judge import LoopReport
 from mbcdm_cad.loop.result import LoopResult
 from mbcdm_cad.model.stiffness import sticking_stiffness_Nm_rad
 from mbcdm_cad.planning.plan import plan_of
+from tests.support.reference import ROOT
 
-ROOT = Path(__file__).parents[3]
 DESIGN, EXPERIMENT = ROOT / "params/mbcdm.yaml", ROOT / "params/experiments/response/chirp-plate.yaml"
 PLATE_KG_M2, RATE_HZ, FINE, RATIO = 0.05, 1000.0, 5, 9.0
 

@@ -33,8 +33,8 @@ from mbcdm_cad.measurement.vet import arranged
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.rig.experiment import Experiment, read_experiment, run_files
 from mbcdm_cad.rig.quasistatic import simulate
+from tests.support.reference import REFERENCE, ROOT
 
-ROOT = Path(__file__).parents[3]
 DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive
 BOTH = CountedParts()
 
@@ -202,7 +202,6 @@ def test_slip_on_the_guide_that_the_design_counts_is_no_effect() -> None:
     assert found.verdict == "none" and not found.effects and not found.one_of, found.sentence
 
 
-REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 WITHOUT = "\n".join(line for line in REFERENCE.read_text("utf-8").split("\n") if not line.startswith("as_built"))
 
 

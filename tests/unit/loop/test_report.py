@@ -6,7 +6,6 @@ from dataclasses import replace
 from functools import cache
 from html.parser import HTMLParser
 from io import BytesIO
-from pathlib import Path
 
 import matplotlib.image
 import numpy as np
@@ -18,6 +17,7 @@ from mbcdm_cad.loop.readable import Value, readable, share_text
 from mbcdm_cad.loop.result import VERDICTS, Errors, Evidence, LoopResult, Named, Traces, result_text
 from mbcdm_cad.measurement.run import Run, VettingNote, half_sweeps
 from tests.effects_page import page as effects_page
+from tests.support.reference import ROOT
 
 TIME = np.linspace(0.0, 60.0, 3000)
 DRUM = 0.4 * np.sin(TIME)
@@ -249,9 +249,6 @@ def test_pictures_are_the_same_every_time_and_show_before_and_after() -> None:
 )
 def test_figures_come_in_units_that_a_person_reads(name: str, values: list[float], said: object) -> None:
     assert readable(name, values) == said
-
-
-ROOT = Path(__file__).parents[3]
 
 
 def test_the_page_of_effects_is_that_of_the_library() -> None:

@@ -1,7 +1,6 @@
 """The torque sensor: within its class it is no effect of the drive, beyond it is told from it; frictions."""
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mbcdm_cad.design.blocks import AsBuilt, AsBuiltValue
-from mbcdm_cad.layouts.loader import layout_of, load_design
+from mbcdm_cad.layouts.loader import layout_of
 from mbcdm_cad.loop.effects import friction, known_effects
 from mbcdm_cad.loop.effects.load_sensor import _sides
 from mbcdm_cad.loop.page.plain import finding
@@ -23,8 +22,7 @@ from tests.support.bench_effects import Effect
 from tests.support.bench_layouts import made
 from tests.support.bench_score import outcome_of, values_of
 from tests.support.bench_torque import TorqueSensor, torque_bench
-
-DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
+from tests.support.reference import DRIVE
 
 
 def said(result: LoopResult) -> list[str]:

@@ -13,8 +13,8 @@ from mbcdm_cad.loop.judge import LoopReport
 from mbcdm_cad.loop.result import LoopResult
 from mbcdm_cad.measurement.by_hand import loadings, path_of, written_step
 from mbcdm_cad.measurement.run import Run
+from tests.support.reference import ROOT
 
-ROOT = Path(__file__).parents[3]
 COMPLIANCE, PLAY = 5e-4, 1.2e-3
 HEAD = """data: {name}.csv
 kind: turning_points

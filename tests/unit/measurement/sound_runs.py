@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import yaml
 
-from mbcdm_cad.layouts.loader import layout_of, load_design
+from mbcdm_cad.layouts.loader import layout_of
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.hysteresis import simulate
+from tests.support.reference import DRIVE
 
-DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 D = layout_of(DRIVE).si
 SENSORS = Sensors(1.9175e-4, 1.3635e-6, 0.005)
 

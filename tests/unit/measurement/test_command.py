@@ -15,10 +15,10 @@ from mbcdm_cad.measurement.file import load_file
 from mbcdm_cad.measurement.reference import measurement_page
 from mbcdm_cad.measurement.schema import Measurement, json_schema, node_at
 from mbcdm_cad.model.si import ModelError
+from tests.support.reference import REFERENCE as DESIGN
 from tests.support.reference import ROOT, Says
 from tests.unit.measurement.sound_runs import Write, mapping, signals, table
 
-DESIGN = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 BARE = {key: value for key, value in mapping()["columns"].items() if key != "load_torque"}
 
 

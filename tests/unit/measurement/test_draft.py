@@ -16,9 +16,9 @@ from mbcdm_cad.measurement.reading import load_measurement, read_run
 from mbcdm_cad.measurement.roles import Expected
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.vet import arranged, refusals, vet
+from tests.support.reference import REFERENCE as DESIGN
 from tests.unit.measurement.sound_runs import DRIVE, sound_run
 
-DESIGN = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 RUN = sound_run()
 DEG = 57.29577951308232
 

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.loader import layout_of, load_design
+from mbcdm_cad.layouts.loader import layout_of
 from mbcdm_cad.loop.prepare.prepared import prepare
 from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.measurement import loads
@@ -24,6 +24,7 @@ from mbcdm_cad.measurement.schema import Pendulum
 from mbcdm_cad.measurement.vet import arranged, refusals, vet, vetted_runs
 from mbcdm_cad.measurement.vet_signals import reach_findings
 from mbcdm_cad.model.hysteresis import simulate
+from tests.support.reference import DRIVE
 
 _random = np.random.default_rng(11)
 TIME = np.arange(4000) * 0.02
@@ -177,7 +178,6 @@ def test_too_many_broken_rows_are_told_with_what_the_first_holds(tmp_path: Path)
         read(path)
 
 
-DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 T = np.arange(0.0, 20.0, 0.005)
 TURNS = np.array([9.0])
 FIGURES = StatedMotors(0.02, 0.05, 50.0, 0.8, 2e-7, 1e-4)

@@ -20,6 +20,7 @@ from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.measurement.vet import arranged, refusals, vet, vetted_runs, vetting_lines
 from mbcdm_cad.measurement.vet_signals import load_levels, order_left
 from tests.support.bench_data import CASES, simulate_case, write_run
+from tests.support.reference import ROOT
 from tests.unit.measurement.sound_runs import DRIVE, SENSORS, Write, sound_run, table
 
 RUN = sound_run()
@@ -525,7 +526,6 @@ def test_a_run_given_twice_is_refused(write: Write, capsys: pytest.CaptureFixtur
     assert "run.yaml:1: data: the same data as " in (said := capsys.readouterr().err) and "once" in said, said
 
 
-ROOT = Path(__file__).parents[3]
 MAPPINGS = sorted((ROOT / "params" / "measurements" / "davinci").glob("*.yaml"))
 DATA = Path(os.environ.get("MBCDM_SHARED_DATA", ROOT.parent / "shared" / "data")) / "davinci"
 

@@ -11,7 +11,6 @@ from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 from math import sqrt
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -32,10 +31,8 @@ from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.model.tolerance import BEYOND_THREE_SIGMA, Contribution, StackUp, stack_data, tightest
 from mbcdm_cad.report.analysis_report import analyse_design
 from mbcdm_cad.routes.route import two_bearing_reactions_N
-from tests.support.reference import PARAMS
+from tests.support.reference import PARAMS, REFERENCE
 from tests.unit.model.paper_case import paper_drive
-
-REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 
 
 @cache

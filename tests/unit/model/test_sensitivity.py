@@ -23,7 +23,7 @@ from mbcdm_cad.model.tolerance import Contribution, StackUp, Tolerances, eccentr
 from mbcdm_cad.parallel import forks
 from mbcdm_cad.parallel.forks import crew
 from tests.support.checked import of_params
-from tests.support.reference import DRIVE
+from tests.support.reference import DRIVE, REFERENCE
 from tests.unit.model.paper_case import paper_drive, turned_round
 
 NEED = Requirements(
@@ -34,7 +34,6 @@ NEED = Requirements(
     tension_limit_N=1e4,
     helix_lead_m=0.87e-3,
 )
-REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 STACKS = (StackUp("gap, mm", 0.1, (Contribution("bore", 0.03), Contribution("face", 0.04))),)
 
 

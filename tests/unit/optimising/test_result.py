@@ -27,6 +27,7 @@ from mbcdm_cad.optimising.spread import DRAWS, SPREAD, Spread, sigmas_of, unit_d
 from mbcdm_cad.optimising.wishes import over_tolerances, wishes_of
 from mbcdm_cad.solving.question import Fixed, read_question
 from tests.support.optimum import FIGURES, optimum
+from tests.support.reference import PARAMS
 
 
 def test_what_binds_is_named_with_the_designs_where_it_does() -> None:
@@ -140,7 +141,6 @@ def test_the_leg_and_the_capstan_pass_and_the_first_of_the_front_is_lighter_than
 # Figures over tolerances against closed forms, single drives, first-order theory and draws of another generator.
 
 
-PARAMS = Path(__file__).parents[3] / "params"
 # Points of the normal law.
 Z95, Z975 = 1.6449, 1.9600
 

@@ -1,7 +1,5 @@
 """All parts of the reference design, drawn once."""
 
-from pathlib import Path
-
 import cadquery as cq
 import pytest
 
@@ -10,8 +8,7 @@ from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.bill import Bill
-
-ROOT = Path(__file__).parents[3]
+from tests.support.reference import ROOT
 
 
 @pytest.fixture(scope="session")

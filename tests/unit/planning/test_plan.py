@@ -2,13 +2,12 @@
 
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from mbcdm_cad.layouts.loader import layout_of, load_design
+from mbcdm_cad.layouts.loader import layout_of
 from mbcdm_cad.loop.result import Noise
 from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.loop.search.evidence import LOG_ODDS
@@ -17,8 +16,8 @@ from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.planning.foresight import Foresight
 from mbcdm_cad.planning.plan import PlannedMotion, RunPlan, noise_from, plan_of
 from mbcdm_cad.routes import Floats
+from tests.support.reference import DRIVE
 
-DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 STEP, FINE = 1.9175e-4, 1.3635e-6
 
 

@@ -1,20 +1,19 @@
 """What a planned run would tell apart: ratio from the drum's first order only over a long travel."""
 
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from mbcdm_cad.layouts.loader import layout_of, load_design
+from mbcdm_cad.layouts.loader import layout_of
 from mbcdm_cad.loop.effects import library
 from mbcdm_cad.loop.prepare.prepared import prepare
 from mbcdm_cad.loop.result import Named, Noise
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.planning.next_run import next_run, wrong_choice
+from tests.support.reference import DRIVE
 
-DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 NOISE = Noise(5e-6, 5e-6, 0.0, 0.0, 4.4e-6, "as the test has it")
 STEP_S = 0.04
 

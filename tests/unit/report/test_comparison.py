@@ -39,6 +39,7 @@ from mbcdm_cad.report.solve_report import SolveReport
 from mbcdm_cad.solving.question import question_of
 from mbcdm_cad.solving.solve import Change, Solution
 from tests.support.reference import PARAMS, ROOT, Says
+from tests.support.reference import REFERENCE as DESIGN
 
 
 def report(**changes: Any) -> dict[str, Any]:
@@ -331,7 +332,6 @@ def test_titles_are_escaped() -> None:
     ElementTree.fromstring(text)
 
 
-DESIGN = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 MIDDLE, DEVIATION, CORRELATION = np.array([-0.3, -0.2]), np.array([0.03, 0.025]), -0.8
 
 

@@ -37,6 +37,7 @@ from mbcdm_cad.rig.experiment import DynamicExperiment, Experiment, RigError, re
 from mbcdm_cad.rig.library_page import added, effects_table
 from mbcdm_cad.rig.quasistatic import simulate
 from mbcdm_cad.routes import Floats
+from tests.support.reference import PARAMS
 
 SHORT = """\
 name: short
@@ -238,7 +239,6 @@ def test_every_experiment_runs(library, project):
 # Preloads measured by ramps of an input's torque on the rig, with sensor noise and a rope that differs.
 
 
-PARAMS = Path(__file__).parents[3] / "params"
 INPUT_RAD, DRUM_RAD = 9.0, 2.0
 
 

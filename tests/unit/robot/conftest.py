@@ -1,6 +1,5 @@
 """The reference design, its parts and its mechanism, drawn once for the tests of the robot files."""
 
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -9,8 +8,7 @@ from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.robot.mechanism import Mechanism, mechanism
 from mbcdm_cad.storage.cache import Cache, cache_folder
 from mbcdm_cad.workshop.store import drawn
-
-REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
+from tests.support.reference import REFERENCE
 
 
 @pytest.fixture(scope="package")

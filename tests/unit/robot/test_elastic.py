@@ -22,10 +22,10 @@ from mbcdm_cad.robot.elastic import ElasticDrive, elastic_drive, left_out, slipp
 from mbcdm_cad.robot.fmu import fmu_file
 from mbcdm_cad.robot.mechanism import Mechanism
 from mbcdm_cad.robot.mjcf import robot_files
+from tests.support.reference import PARAMS
 from tests.unit.robot.test_play import _mechanism as light
 from tests.unit.robot.test_play import drive as staged
 
-PARAMS = Path(__file__).parents[3] / "params"
 mujoco = pytest.importorskip("mujoco", minversion="4.0")
 
 

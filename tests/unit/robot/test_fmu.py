@@ -17,8 +17,8 @@ from mbcdm_cad.rig.experiment import Experiment
 from mbcdm_cad.rig.quasistatic import simulate
 from mbcdm_cad.robot.elastic import ElasticDrive, elastic_drive
 from mbcdm_cad.robot.fmu import fmu_file
+from tests.support.reference import PARAMS
 
-PARAMS = Path(__file__).parents[3] / "params"
 fmpy = pytest.importorskip("fmpy")
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 STEP_S = 1e-3

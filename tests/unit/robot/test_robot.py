@@ -27,7 +27,6 @@ from mbcdm_cad.robot.mjcf import robot_files
 from mbcdm_cad.robot.urdf import UrdfOptions
 from tests.support.checked import of_params
 
-REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 G_MM2 = 1e-9
 
 

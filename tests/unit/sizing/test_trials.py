@@ -3,7 +3,6 @@
 import copy
 from collections.abc import Iterable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -26,6 +25,7 @@ from mbcdm_cad.sizing.known import KnownFields
 from mbcdm_cad.sizing.rule import Found, Rule, constant, fill, largest, rounded_down, rounded_up
 from tests.support.checked import short_file, statuses
 from tests.support.layout_bound import Asked, excluding, least_column_mm
+from tests.support.reference import PARAMS
 
 ANTENNA = short_file("siso_spur", 120.0, 8.0, 300.0, 150.0, rope={"type": "7x19-2.0"})
 # A printed drum whose windows leave little web beside the slot.
@@ -286,9 +286,6 @@ def test_the_column_s_least_height_grows_with_wall_and_rope() -> None:
     thin, thick = least_column_mm(0.8, 0.3), least_column_mm(1.2, 2.0)
     # Three walls of 0.4 mm more, 0.2 mm of the shelf (at least 3 mm), and 0.85 mm of rope.
     assert thin == pytest.approx(41.3) and thick - thin == pytest.approx(3 * 0.4 + 0.2 + 0.85), f"{thin}, {thick}"
-
-
-PARAMS = Path(__file__).parents[3] / "params"
 
 
 @pytest.mark.parametrize("name", ["mbcdm", "siso_spur", "miso_spur", "siso_bevel"])

@@ -26,8 +26,7 @@ from mbcdm_cad.solving.repair import BATCH, _Moves, creeps, repair, taken_back
 from mbcdm_cad.solving.solve import solve
 from mbcdm_cad.solving.trials import MOST, TrialResult, Trials, outcome
 from tests.acceptance.test_docs_commands import GALLERY
-from tests.support.random_generator import WHOLE, failing, requirements
-from tests.support.random_search import Draw, missed, search
+from tests.support.random_generator import WHOLE, Draw, failing, missed, requirements, search
 from tests.support.reach_bound import Asked, asked, excluding
 from tests.support.reference import Says
 

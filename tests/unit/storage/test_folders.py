@@ -34,8 +34,8 @@ from mbcdm_cad.storage.folders import (
     refuse_other_origin,
     write_from,
 )
+from tests.support.reference import ROOT
 
-ROOT = Path(__file__).parents[3]
 FACTS = Manifest(design_sha256="d", inputs_sha256="i")
 
 # Builds generation after generation into argv[1] until killed: 12 files that all say which generation they are of.

@@ -43,6 +43,7 @@ from mbcdm_cad.workshop.pairs import (
 from mbcdm_cad.workshop.separation import Surface, apart
 from mbcdm_cad.workshop.store import KnownTests, Store, StoredPart, exported_parts
 from tests.support.interference_of_solids import body, interferences, run_of
+from tests.support.reference import DRIVE
 
 Move = Callable[[dict[str, Placement]], None]
 
@@ -432,7 +433,6 @@ def test_nine_poses_hold_both_ends_and_the_centre() -> None:
     assert poses[0] == -35.0 and poses[-1] == 35.0 and poses[4] == 0.0
 
 
-DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 DIMS: Any = layout_of(DRIVE)
 
 

@@ -2,14 +2,12 @@
 
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 from hypothesis import strategies as st
 
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
-
-ROOT = Path(__file__).parents[4]
+from tests.support.reference import ROOT
 
 
 @cache

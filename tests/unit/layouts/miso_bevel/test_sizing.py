@@ -1,7 +1,6 @@
 """Sizing of miso_bevel: the reference from its requirements, laws for every file, the first guess of the frame."""
 
 import copy
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -22,6 +21,7 @@ from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.solving.question import question_of
 from tests.support.checked import failing, short_file
+from tests.support.reference import PARAMS
 
 REFERENCE = reference_data()
 
@@ -153,9 +153,6 @@ def test_a_requirement_cannot_be_left_out(field: str, said: str) -> None:
     with pytest.raises(InputError) as refused:
         load_text(yaml.safe_dump(data), "f.yaml")
     assert said in str(refused.value), refused.value
-
-
-PARAMS = Path(__file__).parents[4] / "params"
 
 
 def test_a_whole_file_is_left_to_no_rule_and_the_short_one_holds_its_mass_and_box() -> None:

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import replace
 from math import degrees, pi
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,9 +15,9 @@ from mbcdm_cad.layouts.siso_spur.bill import bill
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.support.stiffness import frame_compliance
 from tests.support.checked import failing
+from tests.support.reference import ROOT
 from tests.support.sliced_cables import assert_joined
 
-ROOT = Path(__file__).parents[4]
 Made = Callable[[int], SpurDrive]
 
 

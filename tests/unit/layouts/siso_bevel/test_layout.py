@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from math import cos, degrees, radians, sin
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,9 +21,8 @@ from mbcdm_cad.layouts.siso_bevel.support.stiffness import frame_compliance, sea
 from mbcdm_cad.model.stiffness import unit_tensions_N
 from mbcdm_cad.workshop.kernel import bounding_box
 from tests.support.checked import failing
+from tests.support.reference import ROOT
 from tests.support.sliced_cables import assert_joined
-
-ROOT = Path(__file__).parents[4]
 
 
 def with_ratio(drive: DirectDrive, ratio: float) -> DirectDrive:

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from math import atan2, degrees, exp, hypot, pi, radians, tanh, tau
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -38,9 +37,8 @@ from mbcdm_cad.report.analysis_report import analyse_design
 from mbcdm_cad.routes.route import Body, Wrap, contact_point_m
 from mbcdm_cad.workshop.kernel import validate_solid
 from tests.support.checked import failing, result
+from tests.support.reference import PARAMS, ROOT
 from tests.support.sliced_cables import assert_joined, by_bisection
-
-ROOT = Path(__file__).parents[4]
 
 
 def test_params_file_is_what_the_schema_writes() -> None:
@@ -739,7 +737,6 @@ def test_limited_wraps_at_the_end_of_travel_turn_the_drum_less(drive: SpurDrive)
     assert turned[1] < turned[0], turned
 
 
-PARAMS = Path(__file__).parents[4] / "params"
 RING = """name: ring
 configuration: siso_spur
 travel: {half_angle_deg: 86}

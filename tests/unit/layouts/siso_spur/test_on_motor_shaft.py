@@ -62,9 +62,12 @@ def test_it_passes_and_has_neither_bearings_nor_encoder_at_its_input(direct: Spu
     assert sorted(item for step in layout_of(direct).assembly_order for item in step.items) == sorted(names)
 
 
+@pytest.mark.parametrize("name", ["direct", "served"])
 @pytest.mark.parametrize("part", ["frame", "input_pulley_main"])
-def test_its_parts_are_one_solid_of_the_volume_that_they_say(direct: SpurDrive, part: str) -> None:
-    made = layout_of(direct).bill().made[part]
+def test_its_parts_are_one_solid_of_the_volume_that_they_say(
+    request: pytest.FixtureRequest, name: str, part: str
+) -> None:
+    made = layout_of(request.getfixturevalue(name)).bill().made[part]
     solid = made.solid()
     validate_solid(part, solid)
     assert made.volume_mm3() == pytest.approx(solid.Volume(), rel=0.01)
@@ -271,14 +274,6 @@ def test_it_passes_and_is_drawn_with_ears_horn_and_screws(served: SpurDrive) -> 
     names = [item.name for item in layout_of(served).bill().items]
     assert {"servo_main", "horn_main", "horn_screw_main", "servo_screw_main_4", "flange_screw_main_4"} <= set(names)
     assert sorted(item for step in layout_of(served).assembly_order for item in step.items) == sorted(names)
-
-
-@pytest.mark.parametrize("part", ["frame", "input_pulley_main"])
-def test_the_pulley_on_a_horn_is_one_solid_of_the_volume_that_it_says(served: SpurDrive, part: str) -> None:
-    made = layout_of(served).bill().made[part]
-    solid = made.solid()
-    validate_solid(part, solid)
-    assert made.volume_mm3() == pytest.approx(solid.Volume(), rel=0.01)
 
 
 def test_a_stalled_servo_loads_the_stop_with_the_torque_at_its_horn(served: SpurDrive) -> None:

@@ -25,6 +25,7 @@ from mbcdm_cad.workshop.kernel import brep_bytes, shape_from_brep, validate_face
 from mbcdm_cad.workshop.meshing import angular_tolerance, mesh_solid
 from mbcdm_cad.workshop.pairs import Faces, PartShape
 from mbcdm_cad.workshop.trianglemesh import TriangleMesh
+from tests.support.reference import ROOT
 
 PARTS = sorted(make_solids())
 TOLERANCE_MM = 0.02
@@ -216,7 +217,6 @@ def test_glb_does_not_depend_on_the_order(items: list[Item], meshes: dict[str, T
 # 3MF files read back by another program: unit, name, watertight, volume, lying on the bed; the same bytes twice.
 
 
-ROOT = Path(__file__).parents[4]
 _DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive
 _BILL = layout_of(_DRIVE).bill()
 MADE = tuple(dict.fromkeys(item.part for item in _BILL.items if item.kind == "made"))

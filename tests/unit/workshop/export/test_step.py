@@ -28,7 +28,7 @@ from OCP.XCAFDoc import (
 
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.errors import GeometryError
-from mbcdm_cad.layouts.loader import layout_of, load_design
+from mbcdm_cad.layouts.loader import layout_of
 from mbcdm_cad.parts.bill import Item
 from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.storage.cache import Cache
@@ -38,6 +38,7 @@ from mbcdm_cad.workshop.kernel import brep_bytes, measure, shape_from_brep
 from mbcdm_cad.workshop.makefiles import make_part_files
 from mbcdm_cad.workshop.mass import PartFiles
 from tests.acceptance.freecad import freecad_program, run_in_freecad
+from tests.support.reference import DRIVE as _DRIVE
 
 # Another process: other addresses, another order of items, other exports before.
 _ELSEWHERE = """
@@ -200,7 +201,6 @@ def test_unsound_part_is_not_made() -> None:
 # STEP AP242 read back by the kernel's reader: each fit, datum and tolerance on the faces that the sheet means.
 
 
-_DRIVE = load_design(Path(__file__).parents[4] / "params" / "mbcdm.yaml").drive
 _BILL = layout_of(_DRIVE).bill()
 
 
