@@ -25,8 +25,8 @@ from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.model.analysis import analyse
+from mbcdm_cad.report.data import masses_by_item
 from mbcdm_cad.report.losses import losses_report
-from mbcdm_cad.report.masses import masses_by_item
 from mbcdm_cad.report.table import ReportTable
 from mbcdm_cad.storage.cache import Cache, cache_folder
 from mbcdm_cad.storage.folders import write_whole

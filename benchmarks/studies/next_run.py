@@ -19,7 +19,7 @@ from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.loop.result import LoopResult
 from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.measurement.run import Run
-from mbcdm_cad.planning.next_run import USELESS, NextRun, next_run
+from mbcdm_cad.planning.best_run import USELESS, NextRun, next_run
 from mbcdm_cad.rig.experiment import Experiment
 from tests.support.bench_data import Simulated, drum_angle, stream, through_files
 from tests.support.bench_effects import Effect

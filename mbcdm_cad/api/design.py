@@ -277,7 +277,7 @@ class DriveDesign:
         for its controllers. Raises ``MbcdmError`` for what the format has not, or a name that no package has.
         """
         from mbcdm_cad.jobs.outputs import write_fmu, write_robot
-        from mbcdm_cad.robot.urdf import UrdfOptions
+        from mbcdm_cad.robot.mjcf import UrdfOptions
 
         if elastic and form != "mjcf":
             raise MbcdmError("elastic: URDF has no springs between joints, an FMU always; export mjcf")

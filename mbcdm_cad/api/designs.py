@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.optimising.wishes import Effort
     from mbcdm_cad.paper.published import PublishedResult
     from mbcdm_cad.paper.reproduce import PaperTable
-    from mbcdm_cad.planning.next_run import NextRun
+    from mbcdm_cad.planning.best_run import NextRun
     from mbcdm_cad.report.catalogue_list import CatalogueList, Machine
     from mbcdm_cad.report.comparison import Sweep
     from mbcdm_cad.report.solve_report import SolveReport
@@ -348,7 +348,7 @@ def next_run(report: LoopReport) -> NextRun | None:
 
     None where no set of possible effects is left, or the runs are of another drive than the design's.
     """
-    from mbcdm_cad.planning.next_run import next_run
+    from mbcdm_cad.planning.best_run import next_run
 
     if report.drive is None:
         return None

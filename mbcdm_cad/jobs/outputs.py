@@ -31,8 +31,7 @@ from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.optimising.evaluate import refuse_unknown
 from mbcdm_cad.optimising.result import Optimum, optimum_of, optimum_page
 from mbcdm_cad.optimising.search import FrontSearch, Journal, Told, sole_search
-from mbcdm_cad.optimising.variables import variables_of
-from mbcdm_cad.optimising.wishes import Effort, Wishes
+from mbcdm_cad.optimising.wishes import Effort, Wishes, variables_of
 from mbcdm_cad.planning.best_run import BestRun, best_run, run_of
 from mbcdm_cad.planning.plan import RunPlan, noise_from, plan_of
 from mbcdm_cad.report.table import TextReport
@@ -54,7 +53,7 @@ from mbcdm_cad.workshop.store import Progress, drawn
 
 if TYPE_CHECKING:
     from mbcdm_cad.report.preload import PreloadReport
-    from mbcdm_cad.robot.urdf import UrdfOptions
+    from mbcdm_cad.robot.mjcf import UrdfOptions
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.optimising.variables import STILL, Values, Variable, first_values
+from mbcdm_cad.optimising.wishes import STILL, Values, Variable, first_values
 from mbcdm_cad.routes import Floats
 
 # The reference point of the hypervolume lies beyond the worst of each aim by this share of its spread.

@@ -20,17 +20,19 @@ from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.life import life_of
 from mbcdm_cad.layouts.registry import layout_of
+from mbcdm_cad.layouts.structure import structure_of
+from mbcdm_cad.layouts.turns import TurnAt, turns_of
 from mbcdm_cad.model.analysis import PeakTorques, peak_torques, reversal_swing_mrad
 from mbcdm_cad.model.capability import torque_to_weight_Nm_kg
 from mbcdm_cad.optimising.spread import Spread, percentile_of
 from mbcdm_cad.optimising.wishes import Keep
 from mbcdm_cad.parts.making import NoPriceError, bought_cost_EUR, material_cost_EUR
-from mbcdm_cad.report.structure import StructureReport, structure_report
 from mbcdm_cad.solving.question import Point, Question, stated
 from mbcdm_cad.solving.trials import LAST, checks_by_id, missed, must_hold
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
+    from mbcdm_cad.model.structure.causes import Structure
     from mbcdm_cad.parts.bill import Bill
 
 
@@ -72,12 +74,20 @@ class Facts:
         """The estimated mass, from closed forms."""
         return kept_mass_g(self.layout)
 
-    @cached_property
-    def structure(self) -> StructureReport:
+    @property
+    def payload(self) -> TurnAt:
+        """What the payload turns by at the test torque, by cables and structure."""
+        turns = turns_of(self.layout)
+        if turns.payload is None:
+            raise NoFigureError(turns.no_structure)
+        return turns.payload
+
+    @property
+    def structure(self) -> Structure:
         """What turns the payload besides the cables."""
-        found, reason = structure_report(self.layout)
+        found = structure_of(self.layout)
         if found is None:
-            raise NoFigureError(reason)
+            raise NoFigureError(turns_of(self.layout).no_structure)
         return found
 
     @cached_property
@@ -156,18 +166,16 @@ FIGURES: dict[str, DesignFigure] = {
     "swing_mrad": DesignFigure(
         "swing of the payload at a reversal of the test torque, cables and structure",
         "mrad",
-        lambda f: f.structure.payload.swing_mrad,
+        lambda f: f.payload.swing_mrad,
     ),
     "cable_swing_mrad": DesignFigure(
         "swing of the drum at a reversal of the test torque, cables alone, as in the paper",
         "mrad",
         lambda f: f.cable_swing_mrad,
     ),
-    "stiffness_Nm_rad": DesignFigure(
-        "stiffness at the payload", "N m/rad", lambda f: f.structure.structure.stiffness_Nm_rad
-    ),
+    "stiffness_Nm_rad": DesignFigure("stiffness at the payload", "N m/rad", lambda f: f.structure.stiffness_Nm_rad),
     "structure_over_cables": DesignFigure(
-        "turn of the structure over that of the cables", "-", lambda f: f.structure.structure.over_cables
+        "turn of the structure over that of the cables", "-", lambda f: f.structure.over_cables
     ),
     "torque_Nm": DesignFigure(
         "peak torque in the weaker direction, losses as limits.losses says", "N m", lambda f: min(f.torques.counted_Nm)

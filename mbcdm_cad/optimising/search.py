@@ -23,8 +23,7 @@ import numpy as np
 from mbcdm_cad.errors import OutputError
 from mbcdm_cad.optimising.engine import Engine, front_of, hypervolume, reference_of
 from mbcdm_cad.optimising.evaluate import FAULT, NO_FIGURE, Evaluated, evaluate
-from mbcdm_cad.optimising.variables import Values, Variable, point_of
-from mbcdm_cad.optimising.wishes import Effort, Keep, Wishes
+from mbcdm_cad.optimising.wishes import Effort, Keep, Values, Variable, Wishes, point_of
 from mbcdm_cad.parallel.forks import Crew, crew
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.solving.question import Question

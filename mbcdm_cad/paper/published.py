@@ -24,6 +24,7 @@ from mbcdm_cad.model.capability import MOTOR, balanced_preload_N, input_ratings_
 from mbcdm_cad.model.profiles import simulate_profiles
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.stiffness import drum_backlash
+from mbcdm_cad.report.table import rendered
 
 # Plausible relative deviation of preload, modulus and friction from the declared values (estimates).
 PRELOAD_SHARE, MODULUS_SHARE, FRICTION_SHARE = 0.3, 0.15, 0.5
@@ -268,13 +269,7 @@ class PublishedResult:
 
     def text(self) -> str:
         """The result as text."""
-        lines = [
-            f"{self.source}: {len(self.figures)} published figures. A scalar cannot be tested on held-out data: the "
-            "causes below are possible, not confirmed."
-        ]
-        for figure in self.figures:
-            lines += ["", *_lines(figure)]
-        return "\n".join([*lines, "", *self.together])
+        return rendered("told.txt.j2", "mbcdm_cad.paper", shown=shown, **vars(self)).removesuffix("\n")
 
 
 def judge_published(drive: Drive, file: MeasurementFile) -> PublishedResult:
@@ -320,24 +315,6 @@ def shown(figure: Judged, value: float | None) -> str:
     if figure.unit in ENDINGS:
         return readable(figure.quantity + ENDINGS[figure.unit], [value])[1][0]
     return f"{value:.4g} {figure.unit}"
-
-
-def _lines(figure: Judged) -> list[str]:
-    predicted = shown(figure, figure.predicted) or "gives no figure"
-    residual = shown(figure, figure.residual)
-    stated = shown(figure, figure.stated_theory)
-    lines = [
-        f"{figure.quantity} ({figure.where}): measured {shown(figure, figure.measured)}, model {predicted}"
-        + (f", residual {residual}" if residual else "")
-        + (f", the authors' theory {stated}" if stated else "")
-    ]
-    lines += [f"  {figure.remark}"] if figure.remark else []
-    for candidate in figure.candidates:
-        gives = "" if candidate.predicted is None else f"gives {shown(figure, candidate.predicted)}; "
-        sign = "+" if candidate.plausible else "-"
-        name = f" [{candidate.effect}]" if candidate.effect else ""
-        lines.append(f"  {sign} {candidate.cause}{name}: {gives}{candidate.needed}")
-    return [*lines, f"  experiment that distinguishes them: {figure.told_apart_by}"]
 
 
 def published_page(result: PublishedResult, design: str) -> bytes:

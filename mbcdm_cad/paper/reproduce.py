@@ -21,7 +21,7 @@ from mbcdm_cad.model.analysis import lowest_each_way
 from mbcdm_cad.model.equations import eq1_residuals
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.stiffness import DrumBacklash, drum_backlash, implied_modulus_Pa
-from mbcdm_cad.report.table import TextReport
+from mbcdm_cad.report.table import TextReport, rendered
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
@@ -75,8 +75,8 @@ class PaperTable(TextReport):
         return tuple(figure for figure in self.figures if not figure.within)
 
     def text(self) -> str:
-        """What ``mbcdm reproduce`` prints: a page in Markdown."""
-        return as_markdown(self.figures, self.name)
+        """What ``mbcdm reproduce`` prints: a page in Markdown. Same figures, same bytes."""
+        return rendered("figures.md.j2", "mbcdm_cad.paper", figures=self.figures, name=self.name)
 
     def to_dict(self) -> list[dict[str, Any]]:
         """Plain data, one record a figure."""
@@ -158,30 +158,3 @@ def _backlash(drive: Drive, d: DriveSI) -> dict[str, float]:
         "flattening": (mid - high) / (low - mid),
         "rmse": math.nan,
     }
-
-
-def as_markdown(figures: tuple[PaperFigure, ...], name: str) -> str:
-    """The table as a page. Same figures, same bytes."""
-    lines = [
-        "# The paper's figures and the model's",
-        "",
-        f"Written by `mbcdm reproduce` for the design `{name}` with the paper's even preload; do not edit by hand.",
-        "A figure without a tolerance is only shown; its remark says why it is not judged.",
-        "",
-        "| figure | where | unit | paper | model | difference | tolerance | remark |",
-        "| --- | --- | --- | --- | --- | --- | --- | --- |",
-    ]
-    for figure in figures:
-        known = math.isfinite(figure.computed)
-        difference = f"{figure.difference:+.2%}" if known and figure.paper else "-"
-        # A figure that should be zero is rounding noise below this; its digits differ between machines.
-        computed = "-" if not known else "0" if abs(figure.computed) < 1e-12 else f"{figure.computed:.5g}"
-        if figure.tolerance is None:
-            tolerance = "-"
-        else:
-            tolerance = f"{figure.tolerance:.2%}" if figure.paper else f"{figure.tolerance:g}"
-        lines.append(
-            f"| {figure.name} | {figure.where} | {figure.unit} | {figure.paper:.5g} | {computed} | {difference} | "
-            f"{tolerance} | {figure.remark} |"
-        )
-    return "\n".join(lines) + "\n"

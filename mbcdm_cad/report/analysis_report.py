@@ -5,22 +5,32 @@ The command line prints it, the Python API returns it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
+from math import exp, isfinite
 from typing import TYPE_CHECKING, Any
 
-from mbcdm_cad.layouts.base import Layout, NoFigureError
+import numpy as np
+
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.base import Layout, NoFigureError, PathFigures
+from mbcdm_cad.layouts.life import life_of
+from mbcdm_cad.layouts.preload import preload_rule
 from mbcdm_cad.layouts.registry import layout_of
-from mbcdm_cad.layouts.turns import Modes, modes_of
+from mbcdm_cad.layouts.structure import structure_of
+from mbcdm_cad.layouts.turns import implied_moduli_GPa, modes_of, turns_of
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.equations import papers_test
-from mbcdm_cad.model.figures import Analysis, ShaftTurns
+from mbcdm_cad.model.equilibrium import solve_equilibrium
+from mbcdm_cad.model.figures import Analysis
+from mbcdm_cad.model.heat import STANDSTILL_SHARE
+from mbcdm_cad.model.si import DriveSI, ModelError
+from mbcdm_cad.model.stiffness import sticking_response
 from mbcdm_cad.report.check_report import Chance, chance_lines, chances_of
-from mbcdm_cad.report.duty import DutyReport, LifeReport, duty_report, life_report
-from mbcdm_cad.report.losses import LossesReport, losses_report, stage_figures, stage_lines
-from mbcdm_cad.report.preload import PreloadShares, preload_shares
-from mbcdm_cad.report.structure import StructureReport, path_data_or_reason, path_lines, structure_report
-from mbcdm_cad.report.table import ReportTable, TextReport, filled, speed_shown
+from mbcdm_cad.report.duty import duty_data, duty_shown, estimated, life_data, life_shown, time_words, two_digits
+from mbcdm_cad.report.losses import losses_report, stage_figures
+from mbcdm_cad.report.preload import preload_shown
+from mbcdm_cad.report.table import ReportTable, TextReport, blocks, rendered, terminal_lines
 
 if TYPE_CHECKING:
     import pandas
@@ -29,242 +39,181 @@ if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
     from mbcdm_cad.model.capability import TorqueLimit
 
-# Names of the limits of the drum's torque, by cause.
-_LIMITS = {
-    "motor": "motor, without losses",
-    "motor_with_losses": "motor, all losses counted",
-    "gearhead_rated": "gearhead, continuous",
-    "gearhead_maximum": "gearhead, intermittent",
-    "motor_alone": "motor, continuous",
-    "motor_alone_peak": "motor, short-time",
-    "strength": "cable at its allowed tension",
+
+def structure_data(layout: Layout) -> dict[str, Any]:
+    """The structure, and what it and the cables turn by at the test torque. ``NoFigureError`` without figures."""
+    turns = turns_of(layout)
+    if turns.payload is None:
+        raise NoFigureError(turns.no_structure)
+    structure = structure_of(layout)
+    assert structure is not None
+    return structure.to_dict() | {
+        "cables_turn_mrad": turns.cables.turn_mrad,
+        "cables_swing_mrad": turns.cables.swing_mrad,
+        "payload_turn_mrad": turns.payload.turn_mrad,
+        "payload_swing_mrad": turns.payload.swing_mrad,
+        "test_torque_Nm": turns.load_Nm,
+        "places": turns.to_dict(),
+        "implied_moduli_GPa": {name: x if isfinite(x) else None for name, x in implied_moduli_GPa(layout).items()},
+    }
+
+
+def path_data(layout: Layout) -> dict[str, Any]:
+    """Plain data of the paths, as in the report and in ``mbcdm analyse --json``."""
+    figures = layout.path_figures
+    length_m = np.array([cable.length_um for cable in figures.cables]) * 1e-6
+    d = layout.si
+    turn, pull = sticking_response(d, length_m)
+    return {
+        **asdict(figures),  # type: ignore[call-overload]
+        "usable_deg": list(figures.usable_deg),
+        "test_turn_mrad": _turns_with_real_wraps(d, figures, layout.drive.loads.test_torque_Nm),
+        "drum_turn_urad": [float(v) for v in turn * 1e6],
+        "tension_change_N": [[float(v) for v in row] for row in pull],
+    }
+
+
+def _turns_with_real_wraps(d: DriveSI, figures: PathFigures, load_Nm: float) -> dict[str, list[float]]:
+    """Turn under + and - ``load_Nm`` at each drum angle, slip ending at the real anchors, mrad."""
+    wraps = [np.radians([getattr(c, name) for c in figures.cables]) for name in ("input_wrap_deg", "drum_wrap_deg")]
+    real = d.spread(len(figures.drum_angle_deg)).with_(input_wrap_rad=wraps[0], drum_wrap_rad=wraps[1])
+    idle = solve_equilibrium(real, 0.0).drum_angle_rad
+    ways = {"positive": load_Nm, "negative": -load_Nm}
+    return {
+        name: [float(v) for v in (solve_equilibrium(real, load).drum_angle_rad - idle) * 1e3]
+        for name, load in ways.items()
+    }
+
+
+def path_data_or_reason(drive: Drive) -> tuple[dict[str, Any] | None, str]:
+    """As :func:`path_data`; (None, reason) if the dimensions have no solution, which ``mbcdm check`` explains."""
+    try:
+        return path_data(layout_of(drive)), ""
+    except (NoFigureError, ValueError, ZeroDivisionError, ModelError) as error:
+        return None, str(error)
+
+
+def path_lines(layout: Layout, paths: dict[str, Any]) -> Iterator[str]:
+    """The paths for a terminal: the configuration's lines for each cable, then the travel."""
+    ends = paths["drum_angle_deg"][0], paths["drum_angle_deg"][-1]
+    yield "cable paths (wraps in deg, drum centred and at both ends of travel; walk and fleet angle at the ends):"
+    for c in paths["cables"]:
+        yield from layout.path_lines(c)
+    longest = max(max(map(abs, c["length_um"])) for c in paths["cables"])
+    pull = max(max(map(abs, row)) for row in paths["tension_change_N"])
+    yield (
+        f"  helix and fleet angle change the lengths by up to {longest:.1f} um over the travel: the drum turns by up "
+        f"to {max(map(abs, paths['drum_turn_urad'])):.1f} urad, tensions change by up to {pull:.2f} N (wraps sticking)"
+    )
+    turned = [abs(v) for way in paths["test_turn_mrad"].values() for v in way]
+    yield (
+        f"  turn at the test torque with the real wraps: {min(turned):.4f} to {max(turned):.4f} mrad over the "
+        "travel (the figures above are for endless wraps)"
+    )
+    low, high = paths["usable_deg"]
+    drive = layout.drive
+    middle = f", counted from {drive.middle_deg:+g} deg of the output" if drive.middle_deg else ""
+    yield (
+        f"usable travel {low:.2f} to {high:+.2f} deg (design {ends[0]:+g} to {ends[1]:+g}{middle}); limits in order:"
+    )
+    for name in ("limits_negative", "limits_positive"):
+        yield "  " + "; ".join(f"{x['angle_deg']:+.2f} {x['cause']}" for x in paths[name][:4])
+
+
+CAUSES = {
+    "motor": "motor's rated torque, without losses",
+    "motor_with_losses": "motor's rated torque, all losses counted",
+    "gearhead_rated": "gearhead's continuous rating",
+    "gearhead_maximum": "gearhead's intermittent rating",
+    "motor_alone": "motor's continuous torque",
+    "motor_alone_peak": "motor's torque at its peak current",
+    "strength": "tension limit of a cable",
     "slack": "a cable goes slack",
     "slip": "the cable slips on its input",
 }
+# The subjects of a design: each gives its data, and raises ``NoFigureError`` where it has no figures.
+SUBJECTS: dict[str, Callable[[Layout], dict[str, Any]]] = {
+    "structure": structure_data,
+    "modes": lambda layout: asdict(modes_of(layout)),
+    "losses": lambda layout: losses_report(layout).to_dict(),
+    "duty": duty_data,
+    "life": life_data,
+    "preload": lambda layout: asdict(preload_rule(layout)),
+}
+
+
+def subject_or_reason(layout: Layout, name: str) -> tuple[dict[str, Any] | None, str]:
+    """The data of one of :data:`SUBJECTS`; None, with the reason, where there are no figures."""
+    try:
+        return SUBJECTS[name](layout), ""
+    except NoFigureError as missing:
+        return None, str(missing)
 
 
 @dataclass(frozen=True)
 class AnalysisReport(TextReport):
-    """``figures`` of the analytic model; ``paths`` of the cables as plain data, None where ``no_paths`` says why.
+    """``figures`` of the analytic model, and the data of the cables' paths and of each of :data:`SUBJECTS`.
 
-    ``structure``: what turns the payload besides the cables; None where ``no_structure`` says why; ``modes`` as well.
-    ``losses``: friction between motors and payload. ``life``: of the cables; None where ``no_life`` says why.
-    ``preload``: what it is made of; None where ``no_preload`` says why. ``duty``: what the drive does all day, how warm
-    its motors get.
+    Data are None where ``missing`` says why. ``chances``: probabilities of the checks of a drive as built.
     """
 
     figures: Analysis
-    paths: dict[str, Any] | None
-    no_paths: str
-    structure: StructureReport | None
-    no_structure: str
-    modes: Modes | None
-    no_modes: str
-    losses: LossesReport
-    life: LifeReport | None
-    no_life: str
-    preload: PreloadShares | None
-    no_preload: str
-    duty: DutyReport
+    data: dict[str, dict[str, Any] | None]
+    missing: dict[str, str]
     layout: Layout = field(repr=False)
     chances: tuple[Chance, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, ready for JSON; this is what ``mbcdm analyse --json`` prints."""
-        blocks: dict[str, Any] = {
-            "paths": self.paths,
-            "structure": self.structure and self.structure.to_dict(),
-            "modes": self.modes and asdict(self.modes),
-            "losses": self.losses.to_dict(),
-            "duty": self.duty.to_dict(),
-            "life": self.life and self.life.to_dict(),
-            "preload": self.preload and self.preload.to_dict(),
-        }
+        found: dict[str, Any] = self.figures.to_dict() | self.data
         if self.layout.first_stage_unit is not None:
-            blocks["stages"] = [asdict(one) for one in stage_figures(self.layout)]
-            blocks["first_stage"] = analyse_design(self.layout.first_stage_unit.drive).to_dict()
+            found["stages"] = [asdict(one) for one in stage_figures(self.layout)]
+            found["first_stage"] = analyse_design(self.layout.first_stage_unit.drive).to_dict()
         if self.chances:
-            blocks["as_built"] = {one.check: one.probability for one in self.chances}
-        return self.figures.to_dict() | blocks
+            found["as_built"] = {one.check: one.probability for one in self.chances}
+        return found
 
     def to_pandas(self) -> pandas.DataFrame:
         """The figures of each cable at the test torque, one row a cable. ``MbcdmError`` without pandas."""
-        return self._cables().pandas()
+        names = [field.name for field in fields(self.figures.cables[0])]
+        rows = tuple(tuple(getattr(cable, name) for name in names) for cable in self.figures.cables)
+        return ReportTable(tuple(names), rows).pandas()
 
     def text(self, width: int | None = None) -> str:
         """What ``mbcdm analyse`` prints: figures by subject, no line longer than ``width``."""
-        lines = [line for block in self._blocks(width) for line in (*block, "")]
-        paths = path_lines(self.layout, self.paths) if self.paths else [f"Cable paths: {self.no_paths}"]
-        odds = ["", *chance_lines(self.chances)] if self.chances else []
-        return "\n".join([*lines, *(line for text in (*paths, *odds) for line in filled(text, width))])
+        return "\n".join(terminal_lines(self._written(), width))
 
     def html(self) -> str:
-        """For notebooks: the cables, the load cases, the torque limits."""
-        tables = (self._cables(), self._cases(), self._shares(), self._limits())
-        return f"<p>{self.figures.name}</p>" + "".join(table.html() for table in tables)
+        """For notebooks: the tables of the text."""
+        tables = (block.html() for _, block in blocks(self._written()) if isinstance(block, ReportTable))
+        return f"<p>{self.figures.name}</p>" + "".join(tables)
 
-    def _cables(self) -> ReportTable:
-        names = [field.name for field in fields(self.figures.cables[0])]
-        rows = tuple(tuple(getattr(cable, name) for name in names) for cable in self.figures.cables)
-        return ReportTable(tuple(names), rows)
-
-    def _cases(self) -> ReportTable:
-        rows = tuple(
-            (
-                f"{case.load_Nm:+.2f}",
-                f"{case.turn_mrad:+.4f}",
-                f"{case.tangent_stiffness_Nm_rad:.0f}",
-                f"{case.secant_stiffness_Nm_rad:.0f}",
-            )
-            for case in (*self.figures.test, *self.figures.peak)
+    def _written(self) -> str:
+        a, layout, data = self.figures, self.layout, self.data
+        stages = [asdict(one) for one in stage_figures(layout)]
+        motor = layout.motor_days[0].heat
+        called = {"without losses": a.peak_torque_lossless_Nm, "with losses": a.peak_torque_with_losses_Nm}
+        return rendered(
+            "analysis.txt.j2",
+            filters={"cycles": two_digits, "time": time_words},
+            a=a,
+            d=data | {"stages": stages},
+            missing=self.missing,
+            papers_test=papers_test(a.test[0].load_Nm),
+            shafts=list(dict.fromkeys(shaft for t in a.shaft_turns for shaft in t.turned_deg)),
+            factors={x.name: exp(x.sigma) for x in layout.losses.moving(layout.drive.loads.peak_torque_Nm, 1).losses},
+            life=life_shown(data["life"]),
+            life_is_worth=data["life"] and life_of(layout).told,
+            preload=preload_shown(data["preload"]),
+            capability=capability({"analysis": a.to_dict()} | ({"stages": stages} if stages else {})),
+            above=[above_gearhead(a.limits, layout.drive.mounted, f"peak torque {x}", y) for x, y in called.items()],
+            duty=data["duty"] and duty_shown(data["duty"]),
+            still=1.0 / STANDSTILL_SHARE if motor.brushless else None,
+            estimates=estimated(motor),
+            motor_lines=motor_lines(asdict(a.motor)) if a.motor else (),
+            paths=path_lines(layout, data["paths"]) if data["paths"] else [f"Cable paths: {self.missing['paths']}"],
+            chances=list(chance_lines(self.chances)),
         )
-        return ReportTable(("load N m", "turn mrad", "stiffness at the load N m/rad", "from zero N m/rad"), rows)
-
-    def _shares(self) -> ReportTable:
-        rows = tuple(
-            (
-                f"{case.load_Nm:+.2f}",
-                _list(case.load_share, 3),
-                _list(case.input_torque_mNm, 1),
-                _list(case.tension_N) + (f"; {sum(case.slack)} slack" if any(case.slack) else ""),
-            )
-            for case in (*self.figures.test, *self.figures.peak)
-        )
-        return ReportTable(("load N m", "shares of the inputs", "inputs mN m", "tensions N"), rows)
-
-    def _limits(self) -> ReportTable:
-        names, left_out = _LIMITS, ""
-        if self.layout.first_stage_unit is not None:
-            names, left_out = _LIMITS | {"gearhead_rated": "first stage, torque it is made for"}, "gearhead_maximum"
-        causes = [c for c in dict.fromkeys(limit.cause for limit in self.figures.limits) if c != left_out]
-        ways = [[x for x in self.figures.limits if x.direction == way] for way in (1, -1)]
-        rows = []
-        for cause in causes:
-            plus, minus = (next(limit for limit in way if limit.cause == cause) for way in ways)
-            rows.append((names.get(cause, cause), _limit(plus), _limit(minus)))
-        return ReportTable(("limit", "load +", "load -"), tuple(rows))
-
-    def _blocks(self, width: int | None) -> Iterator[list[str]]:
-        a = self.figures
-        yield [
-            *filled(
-                f"{a.name}: E = {a.modulus_GPa:g} GPa on the {a.modulus_area} area {a.area_mm2:.4f} mm^2, "
-                f"EA = {a.axial_stiffness_kN:.2f} kN, mu = {a.friction_coefficient:g}",
-                width,
-            ),
-            *(line for text in _model_notes(a, self.structure) for line in filled(text, width)),
-        ]
-        drum, *shafts = dict.fromkeys(shaft for t in a.shaft_turns for shaft in t.turned_deg)
-        turns = tuple((t.cable_name, *(_turned(t, shaft) for shaft in shafts)) for t in a.shaft_turns)
-        yield [
-            f"Turns of the shafts when the {drum} turns by {a.shaft_turns[0].turned_deg[drum]:+g} deg, deg:",
-            *ReportTable(("cable", *shafts), turns).text(width, "  "),
-        ]
-        cables = tuple(
-            (
-                c.name,
-                c.input_name,
-                f"{c.preload_N:.2f}",
-                f"{c.free_span_mm:.2f}",
-                f"{c.high_tension_N:.3f}",
-                f"{c.low_tension_N:.3f}",
-                f"{c.backlash_mrad:.5f}",
-                f"{c.backlash_simplified_mrad:.5f}",
-            )
-            for c in a.cables
-        )
-        names = ("cable", "input", "preload N", "span mm", "high N", "low N", "backlash mrad", "simplified")
-        yield [
-            *filled(
-                f"Each cable by the paper's formulas at {a.test[0].load_Nm:g} N m: Eq. (14), and simplified as in "
-                "Eq. (16) to (20):",
-                width,
-            ),
-            *ReportTable(names, cables).text(width, "  "),
-        ]
-        yield [
-            "All cables together, inputs locked:",
-            *self._cases().text(width, "  "),
-            *self._shares().text(width, "  "),
-            f"  swing at a reversal {a.reversal_swing_mrad:.4f} mrad",
-        ]
-        if self.structure is None:
-            yield filled(f"No figures of the structure: {self.no_structure}", width)
-        else:
-            tables = self.structure.table(), self.structure.places()
-            yield _part("Turn of the payload by cause, for a torque on it:", tables, self.structure.lines(), width)
-        if both := list(stage_lines(self.layout, width)):
-            yield both
-        yield filled(f"No modes: {self.no_modes}" if self.modes is None else mode_words(self.modes), width)
-        tables = self.losses.causes(), self.losses.efficiencies()
-        title = "Losses while the drum moves, N m at the drum, by cause, under a load +:"
-        yield _part(title, tables, self.losses.lines(), width)
-        if self.life is None:
-            yield filled(f"No life of the cables: {self.no_life}", width)
-        else:
-            title = "Bendings of each cable's weakest point in a cycle, and cycles until it breaks:"
-            yield _part(title, (self.life.table(),), self.life.lines(), width)
-        if self.preload is None:
-            yield filled(f"No shares of the preload: {self.no_preload}", width)
-        else:
-            yield [
-                *filled(self.preload.sentence(), width),
-                *self.preload.table().text(width, "  "),
-                *filled(f"  {self.preload.WORDS}", width),
-            ]
-        yield [
-            "Torque at the drum at which a limit is reached first:",
-            *self._limits().text(width, "  "),
-            *(line for text in _torque_notes(a, self.layout.drive.mounted) for line in filled(text, width)),
-        ]
-        yield self.duty.text(width)
-        if a.creep:
-            days = (f"{day:.0f} days" for day in a.creep[0].days)
-            left = tuple((f"{x.temperature_C:g} C", *(f"{share:.1%}" for share in x.share)) for x in a.creep)
-            table = ReportTable(("at", *days), left)
-            yield ["Share of the preload that is left between fixed ends:", *table.text(width, "  ")]
-        if a.motor is not None:
-            first, *rest = motor_lines(asdict(a.motor))
-            yield [
-                *filled(first, width),
-                *(line for text in rest for line in filled(f"  {text}", width)),
-                *curve_table(asdict(a.motor)).text(width, "  "),
-            ]
-        bearings = tuple(
-            (
-                f"{b.load_Nm:+.2f}",
-                _list(b.input_radial_N, 1),
-                *(text for p in b.passed for text in (f"{p.radial_N:.1f}", f"{p.moment_Nm:.3f}")),
-                f"{b.drum_radial_N:.1f}",
-            )
-            for b in a.bearings
-        )
-        passed = (head for p in a.bearings[0].passed for head in (f"{p.body} N", f"{p.body} N m"))
-        heads = ("load N m", "inputs N", *passed, "drum N")
-        yield ["Bearing loads:", *ReportTable(heads, bearings).text(width, "  ")]
-        if a.intervals:
-            rows = tuple((x.name, x.unit, x.value, x.low, x.high, x.sigma) for x in a.intervals)
-            yield [
-                "95 % intervals from the sigmas in the design file:",
-                *ReportTable(("figure", "unit", "value", "low", "high", "sigma"), rows).text(width, "  "),
-            ]
-        yield [line for note in a.notes for line in filled(f"note: {note}", width)]
-
-
-def _part(title: str, tables: Iterable[ReportTable], notes: Iterable[str], width: int | None) -> list[str]:
-    """A part of the text: its title, its tables, and sentences on them."""
-    return [
-        title,
-        *(line for table in tables for line in table.text(width, "  ")),
-        *(line for text in notes for line in filled(f"  {text}", width)),
-    ]
-
-
-def _turned(t: ShaftTurns, shaft: str) -> str:
-    """Angle of a shaft of one cable's chain as text; the motor's is large and needs fewer digits."""
-    if shaft not in t.turned_deg:
-        return ""
-    return f"{t.turned_deg[shaft]:+.1f}" if shaft == "motor" else f"{t.turned_deg[shaft]:+.2f}"
 
 
 def analyse_design(drive: Drive, found: Sequence[AsBuilt] = ()) -> AnalysisReport:
@@ -272,64 +221,22 @@ def analyse_design(drive: Drive, found: Sequence[AsBuilt] = ()) -> AnalysisRepor
 
     ``found``: the list ``as_built`` of the design's file, from which the probabilities of the checks follow.
     """
-    paths, reason = path_data_or_reason(drive)
     layout = layout_of(drive)
-    figures = analyse(layout)
-    return AnalysisReport(
-        figures,
-        paths,
-        reason,
-        *structure_report(layout),
-        *_modes(layout),
-        losses_report(layout),
-        *life_report(layout),
-        *preload_shares(layout),
-        duty_report(layout),
-        layout,
-        chances_of(drive, found),
-    )
+    known = {"paths": path_data_or_reason(drive)} | {name: subject_or_reason(layout, name) for name in SUBJECTS}
+    data, missing = {name: one[0] for name, one in known.items()}, {name: one[1] for name, one in known.items()}
+    return AnalysisReport(analyse(layout), data, missing, layout, chances_of(drive, found))
 
 
-def _modes(layout: Layout) -> tuple[Modes | None, str]:
-    try:
-        return modes_of(layout), ""
-    except NoFigureError as missing:
-        return None, str(missing)
-
-
-def _model_notes(a: Analysis, structure: StructureReport | None) -> Iterator[str]:
-    if papers_test(a.test[0].load_Nm):
-        readings = ", ".join(f"{r.modulus_GPa:.1f} GPa ({r.reading}, {r.route})" for r in a.implied_modulus)
-        yield f"  the paper's {a.measured_backlash_mrad:g} mrad at 70 N, 0.91 N m implies E = {readings}"
-        if structure is not None:
-            yield f"  {structure.modulus_words()}"
-    inputs = ", ".join(dict.fromkeys(c.input_name for c in a.cables))
-    yield (
-        f"  largest deviation from Eq. (1) {a.eq1_worst_residual:.3g}; over the travel the cables of a pair differ by "
-        f"{_list(a.pair_mismatch_mm, 4)} mm ({inputs}), tensions change by up to {a.pair_mismatch_N:.2f} N"
-    )
-
-
-def _torque_notes(a: Analysis, mounted: str) -> Iterator[str]:
-    yield (
-        f"  peak torque + / -: {_list(a.peak_torque_lossless_Nm, 3)} N m without losses, as in the paper, "
-        f"{_list(a.peak_torque_with_losses_Nm, 3)} N m with all losses; limits.losses puts the "
-        f"{'second' if a.losses_counted else 'first'} in force"
-    )
-    for called, peaks in (
-        ("peak torque without losses", a.peak_torque_lossless_Nm),
-        ("peak torque with losses", a.peak_torque_with_losses_Nm),
-    ):
-        if above := above_gearhead(a.limits, mounted, called, peaks):
-            yield f"  {above}"
-    if min(a.peak_torque_Nm) > (asked := a.peak[0].load_Nm):
-        yield f"  motor and cables allow these; the checks judge all other parts at the {asked:g} N m asked for"
-    yield (
-        f"  with preloads T ~ 1/r ({_list(a.balanced_preload_N)} N): {_list(a.balanced_peak_torque_Nm, 3)} N m; the "
-        f"preload alone loads the inputs by {_list(a.input_bias_mNm, 1)} mN m"
-    )
-    if a.torque_to_weight_Nm_kg is not None:
-        yield f"  torque to weight at the target mass: {a.torque_to_weight_Nm_kg:.3f} N m/kg"
+def capability(report: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Torque limits by cause in both directions, N m; None if a cause sets no limit."""
+    rows: dict[str, dict[str, Any]] = {}
+    names = CAUSES | ({"gearhead_rated": "torque that the first stage is made for"} if "stages" in report else {})
+    for limit in report["analysis"]["limits"]:
+        if "stages" in report and limit["cause"] == "gearhead_maximum":
+            continue  # a first stage has one torque
+        row = rows.setdefault(limit["cause"], {"cause": names.get(limit["cause"], limit["cause"])})
+        row["plus" if limit["direction"] > 0 else "minus"] = limit
+    return list(rows.values())
 
 
 def above_gearhead(limits: Sequence[TorqueLimit], mounted: str, called: str, peaks_Nm: tuple[float, float]) -> str:
@@ -354,17 +261,6 @@ def above_gearhead(limits: Sequence[TorqueLimit], mounted: str, called: str, pea
     return ""
 
 
-def _limit(limit: TorqueLimit) -> str:
-    """``3.747 N m, left``; an infinite load means that the limit is never reached."""
-    if limit.torque_Nm == float("inf"):
-        return "not reached"
-    return f"{limit.torque_Nm:.3f} N m, {limit.limiting}"
-
-
-def _list(values: Sequence[float], digits: int = 2) -> str:
-    return ", ".join(f"{v:.{digits}f}" for v in values)
-
-
 def motor_lines(m: Mapping[str, Any]) -> tuple[str, ...]:
     """Sentences on ``analysis.motor``: its torque, the torque that the design requires, the inertia of its rotors."""
     return (
@@ -377,21 +273,3 @@ def motor_lines(m: Mapping[str, Any]) -> tuple[str, ...]:
         f"{m['at_peak_load_drum_speed_deg_s']:.4g} deg/s",
         f"Rotors reflected to the drum {m['reflected_inertia_kg_m2'] * 1e3:.4g} g m^2",
     )
-
-
-def mode_words(m: Modes) -> str:
-    """The torsional modes, every wrap sticking."""
-    payload = f"a payload of {m.payload_kg_m2:.4g} kg m^2" if m.payload_kg_m2 else "no payload"
-    free = ", ".join(f"{f:.4g}" for f in m.inputs_free_Hz)
-    return (
-        f"Torsional modes with {payload}: lowest {m.lowest_inputs_held_Hz:.4g} Hz with the inputs held, by the cables "
-        f"alone {m.cables_alone_Hz:.4g}; {free} Hz against the free rotors"
-    )
-
-
-def curve_table(m: Mapping[str, Any]) -> ReportTable:
-    """Torque at the drum over its speed."""
-    rows = tuple(
-        (speed_shown(p["drum_speed_deg_s"]), f"{p['continuous_Nm']:.3f}", f"{p['peak_Nm']:.3f}") for p in m["curve"]
-    )
-    return ReportTable(("drum deg/s", "continuous N m", "short-time N m"), rows)

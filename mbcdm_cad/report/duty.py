@@ -1,23 +1,21 @@
-"""Duty of a drive, warmth of its motors and life of its cables, as text and as plain data for JSON and the page."""
+"""Duty of a drive, warmth of its motors and life of its cables: plain data, and what the page shows of them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
-from functools import cached_property
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from math import inf, isfinite, isnan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mbcdm_cad.layouts.base import Layout, NoFigureError
-from mbcdm_cad.layouts.life import Life, life_of
-from mbcdm_cad.model.duty import Duty, MotorDay
-from mbcdm_cad.model.heat import STANDSTILL_SHARE
-from mbcdm_cad.report.table import ReportTable, chart, filled
+from mbcdm_cad.layouts.base import Layout
+from mbcdm_cad.layouts.life import life_of
+from mbcdm_cad.model.duty import MotorDay
+from mbcdm_cad.model.heat import MotorHeat
+from mbcdm_cad.report.table import chart
 
 if TYPE_CHECKING:
-    from mbcdm_cad.model.losses import Train
     from mbcdm_cad.model.rope_zones import RopeLife
 
 
@@ -34,95 +32,39 @@ _WORDS = {
 }
 
 
-@dataclass(frozen=True)
-class DutyReport:
-    """Duty and motors of one design. ``most_mNm``: largest torque at an input's gearhead for a short time, or of it."""
+def duty_data(layout: Layout) -> dict[str, Any]:
+    """Duty and motors of a design; a temperature or a time without an end is null.
 
-    duty: Duty
-    motors: Sequence[MotorDay]
-    train: Train
-    most_motor_Nm: float
-    most_output_Nm: float
+    ``held``: torque that the drum moves for a share of each period, at rest for the others, by ambient. Raises
+    ``ModelError`` where the routes have no free span.
+    """
+    d, drive, motors = layout.duty, layout.drive, layout.motor_days
+    held = []
+    for ambient in AMBIENTS_C:
+        motor = [motors[0].heat.allowed_Nm(share, d.period_s, ambient) for share in TIME_SHARES]
+        limited = np.minimum(motor, drive.motor.peak_torque_mNm * 1e-3)
+        output = np.minimum(layout.losses.output_Nm(limited), drive.reduction.max_torque_mNm * 1e-3)
+        ways = [layout.losses.raised_Nm(output, way).min(axis=0) for way in (1, -1)]
+        held.append(np.minimum(*ways).tolist())
+    return {
+        "stated": d.stated,
+        "assumed": list(d.assumed),
+        "period_s": d.period_s,
+        "ambient_C": d.ambient_C,
+        "peak_torque_Nm": d.peak_torque_Nm,
+        "rms_torque_Nm": d.rms_torque_Nm,
+        "moving_share": d.moving_share,
+        "largest_speed_deg_s": d.largest_speed_deg_s,
+        "cycles_per_h": d.cycles_per_h,
+        "strokes": [{"range_deg": s.range_deg, "torque_Nm": s.torque_Nm, "per_h": s.per_h} for s in d.strokes],
+        "motors": [_motor(m) for m in motors],
+        "held": {"time_share": list(TIME_SHARES), "ambient_C": list(AMBIENTS_C), "torque_Nm": held},
+    }
 
-    @cached_property
-    def held_Nm(self) -> tuple[tuple[float, ...], ...]:
-        """Torque that the drum moves for a share of each period of the duty, at rest for the others, by ambient."""
-        heat = self.motors[0].heat
-        found = []
-        for ambient in AMBIENTS_C:
-            motor = [heat.allowed_Nm(share, self.duty.period_s, ambient) for share in TIME_SHARES]
-            limited = np.minimum(motor, self.most_motor_Nm)
-            output = np.minimum(self.train.output_Nm(limited), self.most_output_Nm)
-            ways = [self.train.raised_Nm(output, way).min(axis=0) for way in (1, -1)]
-            found.append(tuple(np.minimum(*ways).tolist()))
-        return tuple(found)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Everything, ready for JSON; a temperature or a time without an end is null."""
-        d = self.duty
-        return {
-            "stated": d.stated,
-            "assumed": list(d.assumed),
-            "period_s": d.period_s,
-            "ambient_C": d.ambient_C,
-            "peak_torque_Nm": d.peak_torque_Nm,
-            "rms_torque_Nm": d.rms_torque_Nm,
-            "moving_share": d.moving_share,
-            "largest_speed_deg_s": d.largest_speed_deg_s,
-            "cycles_per_h": d.cycles_per_h,
-            "strokes": [{"range_deg": s.range_deg, "torque_Nm": s.torque_Nm, "per_h": s.per_h} for s in d.strokes],
-            "motors": [_motor(m) for m in self.motors],
-            "held": {"time_share": list(TIME_SHARES), "ambient_C": list(AMBIENTS_C), "torque_Nm": list(self.held_Nm)},
-        }
-
-    def table(self) -> ReportTable:
-        """Torque and temperatures of each motor."""
-        heads = ("motor", "RMS mN m", "rated mN m", "winding C", "limit C", "case C", "peak cold", "peak warm")
-        rows = tuple(
-            (
-                m.name,
-                f"{m.rms_Nm * 1e3:.4g}",
-                f"{m.heat.continuous_at_Nm(self.duty.ambient_C) * 1e3:.4g}",
-                _warm(m.winding_C, m.sigma_K[0]),
-                f"{m.heat.limit_C:g}",
-                _warm(m.housing_C, m.sigma_K[1]),
-                time_words(m.peak_from_cold_s),
-                time_words(m.peak_from_warm_s),
-            )
-            for m in self.motors
-        )
-        return ReportTable(heads, rows)
-
-    def text(self, width: int | None) -> list[str]:
-        """Table and sentences for a terminal."""
-        told = (line for text in self.lines() for line in filled(f"  {text}", width))
-        return ["Motors over the duty:", *self.table().text(width, "  "), *told]
-
-    def lines(self) -> Iterator[str]:
-        """Sentences beside the table."""
-        d = self.duty
-        what = "of loads.duty" if d.stated else "assumed, because the file has no loads.duty"
-        yield (
-            f"duty {what}: {d.rms_torque_Nm:.4g} N m RMS, {d.peak_torque_Nm:.4g} N m at most, moving "
-            f"{d.moving_share:.0%} of {d.period_s:.4g} s, {d.cycles_per_h:.4g} times there and back an hour, "
-            f"ambient {d.ambient_C:g} C"
-        )
-        if d.assumed:
-            yield f"not in the file and assumed: {'; '.join(d.assumed)}"
-        for m in self.motors:
-            if isfinite(m.duty_from_cold_s):
-                yield f"the {m.name} motor is too hot {time_words(m.duty_from_cold_s)} after a cold start"
-        estimated = self.motors[0].heat.estimated
-        words = f"estimates: {', '.join(_WORDS[x] for x in estimated)}; " if estimated else ""
-        still = (
-            f"a brushless motor at rest counts as {1.0 / STANDSTILL_SHARE:.2g} times the torque; "
-            if self.motors[0].heat.brushless
-            else ""
-        )
-        yield (
-            f"peak cold, warm: how long the peak load is held from the air's temperature and from the hottest moment "
-            f"of the duty; {still}{words}docs/heat.md"
-        )
+def estimated(heat: MotorHeat) -> str:
+    """The figures of a motor's heat that are estimates, in words."""
+    return ", ".join(_WORDS[name] for name in heat.estimated)
 
 
 def time_words(seconds: float) -> str:
@@ -170,13 +112,6 @@ def _motor(m: MotorDay) -> dict[str, Any]:
     }
 
 
-def duty_report(layout: Layout) -> DutyReport:
-    """The figures of the duty. Raises ``ModelError`` where the routes have no free span."""
-    drive = layout.drive
-    most, head = drive.motor.peak_torque_mNm * 1e-3, drive.reduction.max_torque_mNm * 1e-3
-    return DutyReport(layout.duty, layout.motor_days, layout.losses, most, head)
-
-
 def duty_shown(found: Mapping[str, Any]) -> dict[str, Any]:
     """What page and report show of the block ``duty``."""
     held = found["held"]
@@ -201,74 +136,35 @@ def duty_shown(found: Mapping[str, Any]) -> dict[str, Any]:
 
 # Points of a line in the picture of one rope.
 _SHOWN_POINTS = 160
-_QUANTILES = (0.1, 0.5, 0.9)
 
 
-@dataclass(frozen=True)
-class LifeReport:
-    """Life of all cables of one design."""
+def life_data(layout: Layout) -> dict[str, Any]:
+    """Life of all cables; cycles of the output, places in mm from the middle or stop on the input.
 
-    life: Life
-
-    def to_dict(self) -> dict[str, Any]:
-        """Everything, ready for JSON; cycles of the output, places in mm from the middle or stop on the input."""
-        life, first = self.life, self.life.first
-        return {
-            "duty": life.duty,
-            "cycles_per_h": life.cycles_per_h,
-            "generic": life.generic,
-            "first": None if first is None else first.name,
-            "first_on": None if first is None else first.pulleys[0].body,
-            "replace_at_cycles": None if first is None else first.reached(0.1),
-            "replace_at_h": None
-            if first is None or life.cycles_per_h is None
-            else first.reached(0.1) / life.cycles_per_h,
-            "refused": life.refused,
-            "governs_instead": list(life.governs),
-            "bend_ratio": life.layout.smallest_bend_ratio,
-            "bend_ratio_minimum": life.layout.drive.cable.bend_ratio_minimum,
-            "ropes": [_rope(rope) for rope in life.ropes],
-            "helps": [asdict(each) for each in life.helps],
-        }
-
-    def table(self) -> ReportTable:
-        """Bendings at each pulley of the weakest point of each cable, and its life."""
-        rows: list[tuple[str, ...]] = []
-        for rope in self.life.ropes:
-            for k, p in enumerate(rope.pulleys):
-                cycles = ("", "", "") if k or rope.refused else tuple(_cycles(rope.reached(q)) for q in _QUANTILES)
-                share = "" if isnan(p.damage_share) else f"{p.damage_share:.0%}"
-                tension = f"{p.tension_N[0]:.1f} to {p.tension_N[1]:.1f}"
-                name = rope.name if k == 0 else ""
-                rows.append((name, p.body, f"{p.bend_ratio:.1f}", f"{p.bendings:.3g}", tension, share, *cycles))
-        heads = ("cable", "on", "D/d", "bendings", "tension N", "damage", "N10", "N50", "N90")
-        return ReportTable(heads, tuple(rows))
-
-    def lines(self) -> Iterator[str]:
-        """Sentences below the table."""
-        life, first = self.life, self.life.first
-        least = life.layout.drive.cable.bend_ratio_minimum
-        if life.layout.smallest_bend_ratio < least:
-            yield f"the cables bend over D/d {life.layout.smallest_bend_ratio:.3g}; the maker's least is {least:g}"
-        for reason in dict.fromkeys(rope.refused for rope in life.ropes if rope.refused):
-            names = ", ".join(rope.name for rope in life.ropes if rope.refused == reason)
-            yield f"no figure for {names}: {reason}"
-        yield from (f"what governs instead: {text}" for text in life.governs)
-        if first is None:
-            return
-        early = first.reached(0.1)
-        hours = "" if life.cycles_per_h is None else f" ({early / life.cycles_per_h:.2g} h)"
-        yield (
-            f"{first.name} breaks first, on the {first.pulleys[0].body}: {life.told}; inspect it from "
-            f"{_cycles(early / 2.0)} cycles on and replace it at {_cycles(early)}{hours}: its core breaks unseen"
-        )
-        helps = [f"{h.change} x{h.factor:.2g}{f' ({h.note})' if h.note else ''}" for h in life.helps]
-        if helps:
-            yield f"what helps, as a factor of its life: {', '.join(helps)}"
+    Raises ``NoFigureError`` where the cables have no tensions or places.
+    """
+    life = life_of(layout)
+    first = life.first
+    early = None if first is None else first.reached(0.1)
+    return {
+        "duty": life.duty,
+        "cycles_per_h": life.cycles_per_h,
+        "generic": life.generic,
+        "first": None if first is None else first.name,
+        "first_on": None if first is None else first.pulleys[0].body,
+        "replace_at_cycles": early,
+        "replace_at_h": None if early is None or life.cycles_per_h is None else early / life.cycles_per_h,
+        "refused": life.refused,
+        "governs_instead": list(life.governs),
+        "bend_ratio": layout.smallest_bend_ratio,
+        "bend_ratio_minimum": layout.drive.cable.bend_ratio_minimum,
+        "ropes": [_rope(rope) for rope in life.ropes],
+        "helps": [asdict(each) for each in life.helps],
+    }
 
 
-def _cycles(value: float) -> str:
-    """Two digits are more than these figures are worth."""
+def two_digits(value: float) -> str:
+    """Two digits are more than figures of cycles are worth."""
     return f"{float(f'{value:.2g}'):.0f}"
 
 
@@ -301,7 +197,7 @@ def life_shown(found: Mapping[str, Any] | None) -> dict[str, Any] | None:
     ropes, rows = found["ropes"], []
     for rope in ropes:
         for k, pulley in enumerate(rope["weakest_point"]):
-            life = [_cycles(rope[key]) if rope[key] is not None else "none" for key in ("n10", "n50", "n90")]
+            life = [two_digits(rope[key]) if rope[key] is not None else "none" for key in ("n10", "n50", "n90")]
             rows.append({"cable": rope["name"] if k == 0 else "", "life": life if k == 0 else [""] * 3, **pulley})
     bent = [{"label": rope["name"], **_steps(rope["zones"])} for rope in ropes]
     used = [
@@ -316,8 +212,8 @@ def life_shown(found: Mapping[str, Any] | None) -> dict[str, Any] | None:
     return dict(found) | {
         "rows": rows,
         "too_small": found["bend_ratio"] < found["bend_ratio_minimum"],
-        "median": next((_cycles(rope["n50"]) for rope in ropes if rope["name"] == found["first"]), None),
-        "early": None if found["replace_at_cycles"] is None else _cycles(found["replace_at_cycles"]),
+        "median": next((two_digits(rope["n50"]) for rope in ropes if rope["name"] == found["first"]), None),
+        "early": None if found["replace_at_cycles"] is None else two_digits(found["replace_at_cycles"]),
         "charts": {name: chart(title, along, (label, unit), lines) for name, title, label, unit, lines in charts},
     }
 
@@ -333,11 +229,3 @@ def _steps(zones: Sequence[Mapping[str, Any]]) -> dict[str, list[float]]:
         y += [sum(zone["bendings"].values())] * 2
         last = zone["to_mm"]
     return {"x": x, "y": y}
-
-
-def life_report(layout: Layout) -> tuple[LifeReport | None, str]:
-    """The figures of the cables' life; None, with the reason, where the cables have no tensions or places."""
-    try:
-        return LifeReport(life_of(layout)), ""
-    except NoFigureError as missing:
-        return None, str(missing)

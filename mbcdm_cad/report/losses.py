@@ -1,9 +1,9 @@
-"""Losses between motors and payload, and two cable stages side by side: text, and plain data for JSON and the page."""
+"""Losses between motors and payload, and two cable stages side by side: plain data, and what the page shows of it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite
 from typing import TYPE_CHECKING, Any
@@ -15,16 +15,15 @@ from mbcdm_cad.layouts.life import life_of
 from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.model.losses import GEARHEAD, GEARHEAD_IDLE, MOTOR, MovingLosses, Train
 from mbcdm_cad.model.structure.causes import urad_Nm
-from mbcdm_cad.report.table import ReportTable, chart, filled
+from mbcdm_cad.report.table import chart
 from mbcdm_cad.routes import Floats
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.bought import Motor
 
 
-# Loads over the peak torque, and which of them the table of efficiencies shows.
+# Loads over the peak torque.
 LOAD_SHARES = np.linspace(0.05, 1.0, 20)
-_SHOWN = (1, 4, 9, 14, 19)
 # Loads of the picture over speed.
 _DRAWN = (4, 9, 19)
 SPEED_SHARES = (0.05, 0.1, 0.2, 0.4, 0.6, 0.8)
@@ -134,52 +133,6 @@ class LossesReport:
             "efficiency": rows[0],
             "efficiency_sigma": rows[1],
         }
-
-    def causes(self) -> ReportTable:
-        """Losses by cause: without load, and under the peak torque both ways."""
-        shown = (self.unloaded, self.motions[0], self.motions[2])
-        rows: list[tuple[str, ...]] = []
-        for x in self.motions[0].losses:
-            each = [next((own.torque_Nm[-1] for own in m.losses if own.name == x.name), 0.0) for m in shown]
-            rows.append((x.name, *(f"{torque:.4f}" for torque in each), f"{np.exp(x.sigma):.1f}"))
-        rows.append(("all", *(f"{m.lost_Nm[-1]:.4f}" for m in shown), f"+- {shown[1].sigma_Nm[-1]:.2g} N m"))
-        heads = ("cause", "no load", f"against {self.peak_Nm:.4g}", f"with {self.peak_Nm:.4g}", "factor")
-        return ReportTable(heads, tuple(rows))
-
-    def efficiencies(self) -> ReportTable:
-        """Efficiency over the load, both ways."""
-        against, along = self.motions[0], self.motions[2]
-        rows = tuple((f"{against.load_Nm[k]:.3g}", _share(against, k), _share(along, k)) for k in _SHOWN)
-        return ReportTable(("load N m", "motors move the load", "load moves the motors"), rows)
-
-    def lines(self) -> Iterator[str]:
-        """Sentences below the tables."""
-        yield (
-            "factor: one standard deviation of each figure; dry friction, none of it depends on speed; slip on the "
-            "wraps is in the swing, not here"
-        )
-        back, motors = self.train.backdrive, ", ".join(f"{x * 1e3:.3g}" for x in self.unloaded.motor_Nm[:, 0])
-        moved = f"the motors move the unloaded drum with {motors} mN m"
-        if back is None:
-            yield f"back-driving: the gearheads lock, their efficiency is 0.5 or below; {moved}"
-            return
-        yield (
-            f"back-driving, motors without current: {back.running_Nm:.3g} +- {back.sigma_Nm:.2g} N m at the drum, "
-            f"{back.running_Nm / self.peak_Nm:.0%} of the peak torque, up to {back.start_Nm:.3g} N m to start it; "
-            f"{moved}"
-        )
-        yield (
-            "transparency: a hand that moves the free drum feels that torque and the rotors' "
-            f"{self.rotors_kg_m2 * 1e3:.3g} g m^2; the motors' torque tells a load of {self.motions[0].load_Nm[0]:.3g} "
-            f"N m to +- {self.felt_Nm[0]:.3g} N m and the peak torque to +- {self.felt_Nm[-1]:.3g} N m"
-        )
-
-
-def _share(m: MovingLosses, index: int) -> str:
-    """Efficiency at one load as text."""
-    if m.efficiency[index] == 0.0:
-        return "does not move them"
-    return f"{m.efficiency[index]:.1%} +- {m.efficiency_sigma[index]:.1%}"
 
 
 def losses_report(layout: Layout) -> LossesReport:
@@ -310,20 +263,3 @@ def _life(layout: Layout) -> tuple[float | None, str]:
         if not isfinite(rope.cycles):
             return None, rope.refused if rope.longer else f"{rope.refused}; it may break first"
     return min(rope.cycles for rope in ropes), ""
-
-
-def stage_table(found: tuple[StageFigures, ...]) -> ReportTable:
-    """The figures as a table."""
-    heads = ("stage", "ratio", "travel deg", "torque N m", "turn urad/N m", "lost N m", "N50 cycles")
-    return ReportTable(heads, tuple(tuple(asdict(one).values())[: len(heads)] for one in found))
-
-
-def stage_lines(layout: Layout, width: int | None) -> Iterator[str]:
-    """For the terminal; nothing for a drive of one stage."""
-    found = stage_figures(layout)
-    if found:
-        yield "Both cable stages, the motor held; turn and losses as seen at the drum of the second:"
-        yield from stage_table(found).text(width, "  ")
-        for one in found:
-            if one.no_life:
-                yield from filled(f"  {one.stage} stage, life of its cable: no figure, {one.no_life}", width)

@@ -8,14 +8,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts import preload
 from mbcdm_cad.layouts.base import Layout, NoFigureError
-from mbcdm_cad.layouts.preload import AtPreload, NutTurn, PreloadRule
+from mbcdm_cad.layouts.preload import NutTurn, PreloadRule
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.report.table import ReportTable, TextReport, filled
 
@@ -27,64 +27,36 @@ _HEAD = ("angle_rad", "torque_Nm")
 _AT_MOTOR = "motor_torque_Nm"
 
 
-@dataclass(frozen=True)
-class PreloadShares:
-    """What a design's preload is made of: a sentence and a table for terminal, report and page."""
-
-    WORDS: ClassVar[str] = (
-        "lowest tension: at the peak torque, over it; swing: at a reversal of the test torque; life: over that "
-        "at this preload; rope, bearings: friction at the drum without a load"
-    )
-    rule: PreloadRule
-
-    def to_dict(self) -> dict[str, Any]:
-        """Everything, ready for JSON."""
-        return asdict(self.rule)
-
-    def sentence(self) -> str:
-        """Where the preload stands among its limits."""
-        rule = self.rule
-        where = "above" if rule.preload_N > rule.knee_N else "below"
-        return (
-            f"Preload {rule.preload_N:.4g} N: {rule.slack_N:.3g} N keep all cables taut at the peak torque, beyond the "
-            f"knee at {rule.knee_N:.3g} N more buys little backlash (it stands {where} it), "
-            f"limits.preload_share_max allows {rule.most_N:.4g} N"
-        )
-
-    def table(self) -> ReportTable:
-        """The drive with less and with more preload."""
-        rows = tuple(
-            (
-                f"{row.preload_N:.3g}",
-                f"{row.lowest_share:.0%}",
-                f"{row.swing_mrad:.4f}",
-                "none" if row.life_factor is None else f"{row.life_factor:.2g}",
-                f"{row.rope_Nm:.4f}",
-                f"{row.bearings_Nm:.4f}",
-            )
-            for row in self.rule.table
-        )
-        return ReportTable(
-            ("preload N", "lowest tension", "swing mrad", "life, times", "rope N m", "bearings N m"), rows
-        )
-
-
-def preload_shares(layout: Layout) -> tuple[PreloadShares | None, str]:
-    """What the preload is made of; None, with the reason, where the cables have no tensions."""
-    try:
-        return PreloadShares(preload.preload_rule(layout)), ""
-    except NoFigureError as missing:
-        return None, str(missing)
-
-
 def preload_shown(found: Mapping[str, Any] | None) -> dict[str, Any] | None:
-    """What page and report show of the block ``preload``."""
+    """What terminal, report and page show of the block ``preload``, a :class:`PreloadRule`: sentences and a table."""
     if found is None:
         return None
-    rule = PreloadRule(**{**found, "table": tuple(AtPreload(**row) for row in found["table"])})
-    shares = PreloadShares(rule)
-    table = shares.table()
-    return {"sentence": shares.sentence(), "words": shares.WORDS, "heads": table.columns, "rows": table.rows}
+    rows = tuple(
+        (
+            f"{row['preload_N']:.3g}",
+            f"{row['lowest_share']:.0%}",
+            f"{row['swing_mrad']:.4f}",
+            "none" if row["life_factor"] is None else f"{row['life_factor']:.2g}",
+            f"{row['rope_Nm']:.4f}",
+            f"{row['bearings_Nm']:.4f}",
+        )
+        for row in found["table"]
+    )
+    where = "above" if found["preload_N"] > found["knee_N"] else "below"
+    return {
+        # Where the preload stands among its limits.
+        "sentence": (
+            f"Preload {found['preload_N']:.4g} N: {found['slack_N']:.3g} N keep all cables taut at the peak torque, "
+            f"beyond the knee at {found['knee_N']:.3g} N more buys little backlash (it stands {where} it), "
+            f"limits.preload_share_max allows {found['most_N']:.4g} N"
+        ),
+        "words": (
+            "lowest tension: at the peak torque, over it; swing: at a reversal of the test torque; life: over that at "
+            "this preload; rope, bearings: friction at the drum without a load"
+        ),
+        "heads": ("preload N", "lowest tension", "swing mrad", "life, times", "rope N m", "bearings N m"),
+        "rows": rows,
+    }
 
 
 @dataclass(frozen=True)
@@ -109,7 +81,7 @@ class PreloadReport(TextReport):
         """Everything, ready for JSON."""
         names = self.layout.loads.si.cable_names
         return {
-            "rule": PreloadShares(self.rule).to_dict(),
+            "rule": asdict(self.rule),
             "no_ramps": self.no_ramps,
             "motor_reaches_Nm": self.motor_Nm,
             "ramps": [
@@ -167,10 +139,11 @@ class PreloadReport(TextReport):
         return "\n".join(line for text in self._lines(width) for line in text)
 
     def _lines(self, width: int | None) -> Iterator[list[str]]:
-        shares = PreloadShares(self.rule)
-        yield filled(shares.sentence(), width)
-        yield shares.table().text(width, "  ")
-        yield filled(f"  {shares.WORDS}", width)
+        shares = preload_shown(asdict(self.rule))
+        assert shares is not None
+        yield filled(shares["sentence"], width)
+        yield ReportTable(shares["heads"], shares["rows"]).text(width, "  ")
+        yield filled(f"  {shares['words']}", width)
         yield [""]
         if not self.ramps:
             yield filled(f"No ramps: {self.no_ramps}", width)

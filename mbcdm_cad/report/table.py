@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 import textwrap
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -128,6 +128,47 @@ def filled(text: str, width: int | None) -> list[str]:
         break_on_hyphens=False,
         break_long_words=False,
     )
+
+
+def rendered(template: str, package: str = "mbcdm_cad.report", **known: Any) -> str:
+    """The text of a template of a package; ``each`` writes every figure of a list in one format."""
+    import jinja2  # most commands need no template
+
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader(package, "."),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        autoescape=False,  # no HTML in it
+    )
+    environment.filters["each"] = lambda values, form, between=", ": between.join(form % value for value in values)
+    environment.filters["speed"] = speed_shown
+    environment.filters |= known.pop("filters", {})
+    return environment.get_template(template).render(**known)
+
+
+def blocks(text: str) -> Iterator[tuple[str, str | ReportTable]]:
+    """Lines and tables of a text, each with its indent: a table has rows ``| a | b |``, and begins anew at ``||``."""
+    rows: list[tuple[str, ...]] = []
+    indent = ""
+    for line in (*text.splitlines(), None):
+        stripped = "" if line is None else line.lstrip()
+        if rows and (stripped.startswith("||") or not stripped.startswith("|")):
+            yield indent, ReportTable(rows[0], tuple(rows[1:]))
+            rows = []
+        if line is None:
+            return
+        indent = line[: len(line) - len(stripped)]
+        if stripped.startswith("|"):
+            rows.append(tuple(cell.strip() for cell in stripped.lstrip("|").removesuffix("|").split("|")))
+        else:
+            yield indent, line
+
+
+def terminal_lines(text: str, width: int | None) -> Iterator[str]:
+    """The text with its tables aligned and its sentences in lines of at most ``width``."""
+    for indent, block in blocks(text):
+        yield from filled(block, width) if isinstance(block, str) else block.text(width, indent)
 
 
 def _is_number(cell: object) -> bool:

@@ -3,7 +3,7 @@
 In the declared model each side of the cable begins at an anchor on the input. Where the wrap is too short for the
 travel, rope that was wound on with the tension of one side leaves on the other, as on a belt: under a load that keeps
 its direction the drum moves further in every cycle. When this begins and how far it goes follows from the wrap
-(:mod:`mbcdm_cad.model.wrap_profile`).
+(:mod:`mbcdm_cad.model.profiles`).
 """
 
 from dataclasses import replace

@@ -22,6 +22,7 @@ from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.sensitivity import elasticities, figure_5
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.tolerance import Tolerances, ToleranceStack, tolerance_stack
+from mbcdm_cad.report.analysis_report import capability, path_data_or_reason
 from mbcdm_cad.report.comparison import ComparedDesign, comparison_table, torque_notes
 from mbcdm_cad.report.dependencies import dependency_graph, dependency_svg
 from mbcdm_cad.report.duty import duty_shown, life_shown
@@ -30,7 +31,6 @@ from mbcdm_cad.report.page import template
 from mbcdm_cad.report.page.scene import Lines, Scene, cable_lines, design_scene
 from mbcdm_cad.report.page.template import page_environment
 from mbcdm_cad.report.preload import preload_shown
-from mbcdm_cad.report.structure import path_data_or_reason
 from mbcdm_cad.report.table import chart
 from mbcdm_cad.storage.cache import Cache, content_key
 from mbcdm_cad.workshop.drawings import ASSEMBLY
@@ -292,7 +292,7 @@ def report_page(report: Mapping[str, Any], view: Scene, figures: Mapping[str, An
             checks=template.sorted_checks(report["checks"]),
             counts=template.check_counts(report["checks"]),
             tightest=template.tightest(report["checks"]),
-            capability=template.capability(report),
+            capability=capability(report),
             speed_chart=template.speed_chart(report),
             losses=losses_shown(report["losses"]),
             life=life_shown(report["life"]),

@@ -16,17 +16,6 @@ from mbcdm_cad.report.table import chart, designs_shown
 _RANK = {"fail": 0, "warn": 1, "pass": 2}
 # Tolerance for rounding: a wall exactly at its limit may be computed as 1e-15 below it.
 _ROUNDING = 1e-9
-CAUSES = {
-    "motor": "motor's rated torque, without losses",
-    "motor_with_losses": "motor's rated torque, all losses counted",
-    "gearhead_rated": "gearhead's continuous rating",
-    "gearhead_maximum": "gearhead's intermittent rating",
-    "motor_alone": "motor's continuous torque",
-    "motor_alone_peak": "motor's torque at its peak current",
-    "strength": "tension limit of a cable",
-    "slack": "a cable goes slack",
-    "slip": "the cable slips on its input",
-}
 
 
 def used_share(check: Mapping[str, Any]) -> float | None:
@@ -67,18 +56,6 @@ def tightest(checks: Sequence[Mapping[str, Any]]) -> dict[str, Any] | None:
     """The passing check that uses most of its limit."""
     rows = [row for row in sorted_checks(checks) if row["status"] == "pass" and row["used"] is not None]
     return rows[0] if rows else None
-
-
-def capability(report: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Torque limits by cause in both directions, N m; None if a cause sets no limit."""
-    rows: dict[str, dict[str, Any]] = {}
-    names = CAUSES | ({"gearhead_rated": "torque that the first stage is made for"} if "stages" in report else {})
-    for limit in report["analysis"]["limits"]:
-        if "stages" in report and limit["cause"] == "gearhead_maximum":
-            continue  # a first stage has one torque
-        row = rows.setdefault(limit["cause"], {"cause": names.get(limit["cause"], limit["cause"])})
-        row["plus" if limit["direction"] > 0 else "minus"] = limit
-    return list(rows.values())
 
 
 def derived(report: Mapping[str, Any], bodies: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:

@@ -17,7 +17,7 @@ from mbcdm_cad.layouts.loader import design_file, layout_of, load_design, load_t
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.bulk import preload_table
 from mbcdm_cad.model.rope_zones import Level, rope_life
-from mbcdm_cad.report.duty import life_report, life_shown
+from mbcdm_cad.report.duty import life_data, life_shown
 from tests.support.checked import result, results, short_file
 from tests.support.reference import PARAMS
 
@@ -123,9 +123,7 @@ def test_helps_are_sorted_and_the_finer_rope_is_the_catalogues() -> None:
 
 def test_the_page_shows_two_digits_and_what_is_below_the_makers_least() -> None:
     for name, small in (("mbcdm", True), ("siso_bevel", False)):
-        report, _ = life_report(layout_in(name))
-        assert report is not None
-        shown = life_shown(report.to_dict())
+        shown = life_shown(life_data(layout_in(name)))
         assert shown is not None and shown["too_small"] is small
         assert float(shown["median"]) == pytest.approx(life_of(layout_in(name)).first.cycles, rel=0.06)  # type: ignore[union-attr]
         assert len(shown["median"].rstrip("0")) <= 2, shown["median"]

@@ -16,11 +16,11 @@ from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts import open_ratio
 from mbcdm_cad.model.structure import quadrilateral
 from mbcdm_cad.model.structure.drum_sector import sector_study
+from mbcdm_cad.optimising import wishes
 from mbcdm_cad.optimising.engine import Engine, Surrogate, front_of, hypervolume, reference_of
 from mbcdm_cad.optimising.evaluate import FAULT, Evaluated, evaluate
 from mbcdm_cad.optimising.prices import STEP, Price, Prices, requirements
-from mbcdm_cad.optimising.variables import RULE, Variable, first_values, point_of, variables_of
-from mbcdm_cad.optimising.wishes import Aim, Freed, Keep, wishes_of
+from mbcdm_cad.optimising.wishes import RULE, Aim, Freed, Keep, Variable, point_of, variables_of, wishes_of
 from mbcdm_cad.parallel import forks
 from mbcdm_cad.parallel.forks import fork_map
 from mbcdm_cad.routes import Floats
@@ -152,7 +152,7 @@ def test_an_open_ratio_is_stated_by_every_point_around_that_of_the_lightest_driv
     assert ratio.setting(ratio.start) == Fixed(own)
     monkeypatch.setattr(open_ratio, "_lightest", None)  # no point compares whole drives of several ratios
     monkeypatch.setattr(open_ratio, "_FOUND", {})
-    drawn = first_values(variables, 8, np.random.default_rng(1))
+    drawn = wishes.first_values(variables, 8, np.random.default_rng(1))
     assert evaluate(question, point_of(variables, drawn[0]), (), ("mass_g",)).passes
     found = [evaluate(question, point_of(variables, values), (), ("mass_g",)) for values in drawn[1:4]]
     assert not any(one.refused.startswith(FAULT) for one in found), found
@@ -254,14 +254,14 @@ def test_a_search_reaches_what_a_grid_reaches(tmp_path: Path, monkeypatch: pytes
     text = text.replace(f"drum_radius_mm: {radius} ", f"drum_radius_mm: {{min: {low:.4g}, max: {high:.4g}}} ")
     (tmp_path / "grid.yaml").write_text(text)
     question = question_of(text, tmp_path / "grid.yaml")
-    wishes = wishes_of(AIMS, (), FREE, only_free=True)
-    variables = variables_of(question, wishes)
+    asked = wishes_of(AIMS, (), FREE, only_free=True)
+    variables = variables_of(question, asked)
     assert len(variables) == 3, variables
 
     def levels(v: Variable) -> list[object]:
         return list(v.options) or np.linspace(0.0, 1.0, GRID).tolist()
 
-    names = [aim.figure for aim in wishes.aims]
+    names = [aim.figure for aim in asked.aims]
     values = [
         dict(zip([v.field for v in variables], row, strict=True)) for row in product(*(levels(v) for v in variables))
     ]

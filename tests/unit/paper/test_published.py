@@ -20,7 +20,7 @@ from mbcdm_cad.measurement.file import load_file
 from mbcdm_cad.measurement.reading import read_run
 from mbcdm_cad.model.stiffness import drum_backlash
 from mbcdm_cad.paper.published import Candidate, Judged, PublishedResult, judge_published, published_page
-from mbcdm_cad.paper.reproduce import as_markdown, reproduce
+from mbcdm_cad.paper.reproduce import PaperTable, reproduce
 from mbcdm_cad.rig.dynamic.run import DynamicRun
 from tests.support.reference import DRIVE, PARAMS, ROOT
 
@@ -163,7 +163,7 @@ def test_a_wrong_design_leaves_its_tolerance(drive: Drive, change: dict[str, dic
 
 def test_page_is_up_to_date(drive: Drive) -> None:
     page = ROOT / "docs" / "paper-figures.md"
-    assert page.read_text() == as_markdown(reproduce(drive), drive.name), (
+    assert page.read_text() == PaperTable(drive.name, reproduce(drive)).text(), (
         f"rewrite {page} from mbcdm_cad.paper.reproduce"
     )
 

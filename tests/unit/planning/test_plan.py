@@ -13,8 +13,7 @@ from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.loop.search.evidence import LOG_ODDS
 from mbcdm_cad.measurement.run import Run, Sensors, TorqueClass
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.planning.foresight import Foresight
-from mbcdm_cad.planning.plan import PlannedMotion, RunPlan, noise_from, plan_of
+from mbcdm_cad.planning.plan import Foresight, PlannedMotion, RunPlan, noise_from, plan_of
 from mbcdm_cad.routes import Floats
 from tests.support.reference import DRIVE
 

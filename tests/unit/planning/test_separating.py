@@ -11,7 +11,7 @@ from mbcdm_cad.loop.prepare.prepared import prepare
 from mbcdm_cad.loop.result import Named, Noise
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.planning.next_run import next_run, wrong_choice
+from mbcdm_cad.planning.best_run import next_run, wrong_choice
 from tests.support.reference import DRIVE
 
 NOISE = Noise(5e-6, 5e-6, 0.0, 0.0, 4.4e-6, "as the test has it")

@@ -13,7 +13,7 @@ from mbcdm_cad.design.blocks import DutyBlock, DutyRow
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.model.analysis import analyse
-from mbcdm_cad.report.masses import inertias, masses_by_item
+from mbcdm_cad.report.data import inertias, masses_by_item
 from mbcdm_cad.robot.elastic import elastic_drive
 from mbcdm_cad.robot.mechanism import (
     LARGEST_FACES,
@@ -23,8 +23,7 @@ from mbcdm_cad.robot.mechanism import (
     mechanism,
     within_faces,
 )
-from mbcdm_cad.robot.mjcf import robot_files
-from mbcdm_cad.robot.urdf import UrdfOptions
+from mbcdm_cad.robot.mjcf import UrdfOptions, robot_files
 from tests.support.checked import of_params
 
 G_MM2 = 1e-9

@@ -237,7 +237,7 @@ def test_both_stages_add_up_in_the_report() -> None:
     # Its rope bends sharper than the data on life reach: the second stage's figure does not stand alone.
     assert one.life_cycles is None and "may break first" in one.no_life, one
     text = analyse_design(whole.drive).text()
-    assert one.no_life in text and "first stage, torque it is made for" in text and "gearhead, cont" not in text
+    assert one.no_life in text and "torque that the first stage is made for" in text and "gearhead's cont" not in text
 
 
 def _twist_rad_Nm(first: SpurLayout, length_mm: float) -> float:
