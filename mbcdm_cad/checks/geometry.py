@@ -49,21 +49,18 @@ def polygon_gap(first: Points, second: Points) -> float:
     """Distance between two convex polygons (n, 2); 0 where they overlap or touch."""
     for polygon in (first, second):
         edges = np.roll(polygon, -1, axis=0) - polygon
-        for edge in edges:
-            normal = np.array([edge[1], -edge[0]])
-            a, b = first @ normal, second @ normal
-            if a.max() < b.min() or b.max() < a.min():
-                return min(_vertex_gap(first, second), _vertex_gap(second, first))
+        normals = np.array([edges[:, 1], -edges[:, 0]])
+        a, b = first @ normals, second @ normals
+        if ((a.max(axis=0) < b.min(axis=0)) | (b.max(axis=0) < a.min(axis=0))).any():
+            return min(_vertex_gap(first, second), _vertex_gap(second, first))
     return 0.0
 
 
 def _vertex_gap(points: Points, polygon: Points) -> float:
-    best = np.inf
-    for start, end in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
-        along = end - start
-        t = np.clip((points - start) @ along / max(float(along @ along), 1e-30), 0.0, 1.0)
-        best = min(best, float(np.linalg.norm(points - start - t[:, None] * along, axis=1).min()))
-    return best
+    along, away = np.roll(polygon, -1, axis=0) - polygon, points[:, None] - polygon
+    squared = np.maximum(np.einsum("jk,jk->j", along, along), 1e-30)
+    t = np.clip(np.einsum("ijk,jk->ij", away, along) / squared, 0.0, 1.0)
+    return float(np.linalg.norm(away - t[:, :, None] * along, axis=2).min())
 
 
 def web_between(holes: Sequence[tuple[str, float, float, float, float, float]]) -> list[tuple[str, float]]:

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import replace
+from math import inf
 from typing import Any
 
 from mbcdm_cad.checks.fixings import STRESS_SAFETY, lasting_MPa, stalled_Nm
@@ -25,8 +26,6 @@ SIDE_MM, WEB_MM = (4.0, 6.0), (2.0, 4.0)
 # What a web must gain by it to be full: strength where it does not bear its stress with windows, mass times turn of the
 # drum where it does (a choice).
 CLOSED_GAIN = 1.3
-# What the passes of a sizing remember of windows: that they were refused, that mass times turn was compared.
-_OUTER, _WEIGHED = "drum.windows: outer", "drum.windows: weighed"
 # Peak torque from which the stress of a metal web is computed: hubs for less leave far more than it needs (estimate).
 STRESSED_NM = 10.0
 # The same of a whole drum, whose wide rim bends the web (estimate).
@@ -127,7 +126,7 @@ def web(given: TrialKnown) -> Found | float:
     if not given.printed("drum") and given[at.loads.peak_torque_Nm] < (WHOLE_NM if given.whole_drum else STRESSED_NM):
         return usual
     field = at.drum.web_thickness_mm
-    if not given.drives.passes and all(way.field != field for way in given.drives.ends):
+    if not given.drives.passes:
         return usual  # the rest of the drum is guessed yet, and its stress takes longest of all checks
     return given.moved(field, usual, 0.5, ("drum_stress",))
 
@@ -151,20 +150,15 @@ def _windows_cost(given: TrialKnown) -> bool:
         thread = trial.drive.screw(trial.drum.set_screw).thread_mm
         return urad_Nm(drum_structure_of(trial).causes) * DrumSector(trial.drum, thread).volume_mm3()
 
-    # Before the first pass, what is guessed says nothing about the stress; once closed, they stay closed.
+    # Before the first pass, what is guessed says nothing about the stress.
     if not given.drives.passes:
         return bool(given.guesses.get(at.drum.windows) == "none")
-    closed = given.drives.windows
-    if _OUTER not in closed:
-        outer = strength("outer")
-        if outer < STRESS_SAFETY and strength("none") > CLOSED_GAIN * max(outer, 0.0):
-            closed.add(_OUTER)
-        elif _WEIGHED not in closed:
-            closed.add(_WEIGHED)
-            with suppress(NoFigureError, ValueError):
-                if mass_times_turn("outer") > CLOSED_GAIN * mass_times_turn("none"):
-                    closed.add(_OUTER)
-    return _OUTER in closed
+    if given.drives.closed is None and (outer := strength("outer")) > -inf:
+        closed = outer < STRESS_SAFETY and strength("none") > CLOSED_GAIN * max(outer, 0.0)
+        with suppress(NoFigureError, ValueError):
+            closed = closed or mass_times_turn("outer") > CLOSED_GAIN * mass_times_turn("none")
+        given.drives.closed = closed
+    return bool(given.drives.closed)
 
 
 @rule(
@@ -208,9 +202,11 @@ def rim(given: TrialKnown) -> Found:
 @rule(at.drum.stop_pin_mm, "the thinnest pin that holds the stalled motor", "stop_pin")
 def stop_pin(given: TrialKnown) -> Found:
     """Diameter of the stop pin; after two passes no thinner again, for a thinner web goes with a thicker pin."""
-    field = at.drum.stop_pin_mm
-    least = given.guesses.get(field, 0.0) if given.drives.passes > 1 else 0.0
-    return given.first(field, [pin for pin in STOP_PINS_MM if pin >= least], ("stop_pin",))
+    field, held = at.drum.stop_pin_mm, given.drives.held
+    found = given.first(field, [pin for pin in STOP_PINS_MM if pin >= held.get(field, 0.0)], ("stop_pin",))
+    if given.drives.passes:
+        held[field] = found.value
+    return found
 
 
 @rule(at.drum.hub_face_y_mm, "least length for set screws and payload threads", "hub_length")
@@ -241,7 +237,7 @@ WINDOWS = Rule(
 def drum_rules(outer_face: str, outer_face_value: Callable[[Any], Found]) -> tuple[Rule, ...]:
     """Rules of a drum sector, of which layouts have that of its outer face of their own."""
     face = Rule(at.drum.outer_face_y_mm, outer_face, "outer_face", outer_face_value)
-    return (WINDOWS, web, shaft_bore, hub, sector, stop_pin, rim, face, hub_face)
+    return (shaft_bore, hub, WINDOWS, web, sector, stop_pin, rim, face, hub_face)
 
 
 def mount_screw(screws: Iterable[str], *checks: str) -> Rule:

@@ -57,8 +57,8 @@ class TrialDrives:
         self.refused: set[str] = set()
         # Numbers that went up and down in turn, with the larger of both values, from which they are searched upwards.
         self.held: dict[str, float] = {}
-        # What its passes remember of the windows of the drum's web.
-        self.windows: set[str] = set()
+        # Whether the drum's web has no windows, as weighed once.
+        self.closed: bool | None = None
         # Passes of the sizing so far: before the first, values that are guessed say nothing about the drive.
         self.passes = 0
         self._kept: dict[bytes, tuple[Layout | None, dict[str, Margin]]] = {}

@@ -227,8 +227,9 @@ class TrialKnown(RopeKnown):
         way = Way(field, start, step, checks)
         before = self.drives.ends.get(way)
         if before is not None:
-            found, tried, _ = self._searched(way, before.checks, before.failing)
+            found, tried, failing = self._searched(way, before.checks, before.failing)
             if found is not None and (before.failing is None) == (len(tried) == 1):
+                self.drives.ends[way] = End(before.checks, failing)
                 return self._without(field, found, checks, before.checks)
         found, tried, failing = self._searched(way, checks)
         within = checks if found is not None else _within_reach(checks, tried)
@@ -372,6 +373,7 @@ def repeated(
         drives.ends |= {way: end for way, end in similar.ends.items() if end.checks == way.checks}
         drives.refused |= similar.refused
         drives.held |= similar.held
+        drives.passes = 1
     for passed in range(1, 2 * _MOST_PASSES + 1):
         given = known(copy.deepcopy(data), guesses, drives)
         sizing = fill(given, rules, moved)

@@ -514,10 +514,10 @@ HEIGHTS = (
 FRAME = (motor_shelf, *HEIGHTS, head_dims.coupling_space, side_wall, rib, back_plate)
 DRUM = (
     output_screws,
-    head_dims.WINDOWS,
-    head_dims.web,
     head_dims.shaft_bore,
     head_dims.hub,
+    head_dims.WINDOWS,
+    head_dims.web,
     sector,
     head_dims.stop_pin,
     head_dims.rim,
