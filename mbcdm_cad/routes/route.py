@@ -17,7 +17,7 @@ body at a point, only the first order is used; the second order is the rotation 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
@@ -62,8 +62,8 @@ class Terminal:
 class Wrap:
     """The cable on a body. ``turning`` is the sense in which it runs round the axis in the direction to the drum.
 
-    ``angle_rad`` is infinite where the wrap ends at an anchor beyond all slip and its length has not been set
-    (:meth:`CableRoute.with_anchored_wraps`). ``passed``: the rope runs on at both ends, nothing is anchored.
+    ``angle_rad`` is infinite where the wrap ends at an anchor beyond all slip and its length has not been set.
+    ``passed``: the rope runs on at both ends, nothing is anchored.
     ``may_slip_through``: only friction holds the cable there. ``lead_m`` is the advance along the axis a turn.
     """
 
@@ -168,16 +168,6 @@ class CableRoute:
             leaving = spans[k].direction if k < len(spans) else None
             yield Contact(wrap, arriving, leaving)
 
-    def with_anchored_wraps(self, input_rad: float, drum_rad: float) -> CableRoute:
-        """The route with the live wraps on input and drum set, from the tangent point to the anchor."""
-        first, last = 1, len(self.pieces) - 2
-        angles = {first: input_rad, last: drum_rad}
-        pieces = tuple(
-            replace(piece, angle_rad=angles[k]) if isinstance(piece, Wrap) and k in angles else piece
-            for k, piece in enumerate(self.pieces)
-        )
-        return replace(self, pieces=pieces)
-
 
 @dataclass(frozen=True, eq=False)
 class DriveRoutes:
@@ -218,13 +208,6 @@ class DriveRoutes:
     def inputs(self) -> tuple[Body, ...]:
         """Bodies that are driven, in the order of the design's inputs."""
         return tuple(body for body in self.bodies if body.kind == "input")
-
-
-def contact_point_m(body: Body, wrap: Wrap, direction: Triple) -> Floats:
-    """Point (3,) at which a span of this direction touches the wrap's pitch circle."""
-    axis = np.array(body.axis)
-    out = np.cross(axis, direction)
-    return np.asarray(np.array(body.point_m) + wrap.height_m * axis - wrap.turning * wrap.radius_m * out)
 
 
 def offset_m(body: Body, eccentricity_m: float, angle_rad: Floats) -> Floats:

@@ -12,7 +12,9 @@ import numpy as np
 from mbcdm_cad.layouts.miso_bevel.cable_path import cable_path
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
+from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.curves import Helix
+from mbcdm_cad.routes.route import Body, Triple, Wrap
 
 SLICES = 4000
 
@@ -87,3 +89,10 @@ def self_clearance_mm(drive: BevelDrive, cable: BevelRun, drum_angle_rad: float)
         gap = np.linalg.norm(chunk[:, None, :] - turn[None, :, :], axis=2).min()
         best = min(best, float(gap))
     return best - drive.cable.diameter_mm
+
+
+def contact_point_m(body: Body, wrap: Wrap, direction: Triple) -> Floats:
+    """Point (3,) at which a span of this direction touches the wrap's pitch circle."""
+    axis = np.array(body.axis)
+    out = np.cross(axis, direction)
+    return np.asarray(np.array(body.point_m) + wrap.height_m * axis - wrap.turning * wrap.radius_m * out)

@@ -3,6 +3,7 @@
 Each kind of piece: exact length compared with chords, end tangents with differences, and values by hand.
 """
 
+from dataclasses import replace
 from itertools import pairwise
 from math import pi, sqrt
 from pathlib import Path
@@ -25,11 +26,11 @@ from mbcdm_cad.routes.route import (
     Terminal,
     Wrap,
     body_load,
-    contact_point_m,
     offset_m,
     path_change_m,
     path_slope,
 )
+from tests.support.sliced_cables import contact_point_m
 
 REFERENCE = routed(load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive)
 
@@ -200,7 +201,9 @@ def test_length_of_a_cable_with_its_wraps_set_is_that_of_sampled_points() -> Non
     route = REFERENCE.routes.cables[1]
     assert np.isinf(route.length_m), "anchored wraps are longer than any slip zone until they are set"
     turns, on_drum = 11.0, 1.1
-    whole = route.with_anchored_wraps(turns, on_drum)
+    angles = {1: turns, len(route.pieces) - 2: on_drum}
+    pieces = [replace(piece, angle_rad=angles[k]) if k in angles else piece for k, piece in enumerate(route.pieces)]  # type: ignore[arg-type]
+    whole = replace(route, pieces=tuple(pieces))
     s = np.linspace(0.0, 1.0, 200001)
     helix = np.stack(
         [

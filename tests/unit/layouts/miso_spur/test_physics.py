@@ -17,8 +17,7 @@ from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.model.capability import torque_at_slip_Nm
 from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
 from mbcdm_cad.model.stiffness import drum_backlash, sticking_stiffness_Nm_rad
-from mbcdm_cad.routes.route import contact_point_m
-from tests.support.sliced_cables import by_bisection
+from tests.support.sliced_cables import by_bisection, contact_point_m
 
 Made = Callable[[int], SpurDrive]
 

@@ -12,8 +12,7 @@ from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.routes import transfer_stretch_mm
 from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
-from mbcdm_cad.routes.route import contact_point_m
-from tests.support.sliced_cables import by_bisection
+from tests.support.sliced_cables import by_bisection, contact_point_m
 
 
 def balanced(drive: DirectDrive) -> DirectDrive:

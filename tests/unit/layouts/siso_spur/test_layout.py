@@ -34,11 +34,11 @@ from mbcdm_cad.parts.drum_sector.part import DrumSector
 from mbcdm_cad.parts.input_pulley.part import InputPulley
 from mbcdm_cad.parts.milled import cut
 from mbcdm_cad.report.analysis_report import analyse_design
-from mbcdm_cad.routes.route import Body, Wrap, contact_point_m
+from mbcdm_cad.routes.route import Body, Wrap
 from mbcdm_cad.workshop.kernel import validate_solid
 from tests.support.checked import failing, result
 from tests.support.reference import PARAMS, ROOT
-from tests.support.sliced_cables import assert_joined, by_bisection
+from tests.support.sliced_cables import assert_joined, by_bisection, contact_point_m
 
 
 def test_params_file_is_what_the_schema_writes() -> None:

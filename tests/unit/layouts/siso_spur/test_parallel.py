@@ -28,9 +28,8 @@ from mbcdm_cad.parts.input_pulley.dims import CHAMFER_MM
 from mbcdm_cad.parts.making import land_band_mm
 from mbcdm_cad.rig.bench import cables_of
 from mbcdm_cad.rig.chain import pairs_of
-from mbcdm_cad.routes.route import contact_point_m
 from mbcdm_cad.storage.compiled import compiled
-from tests.support.sliced_cables import assert_joined, by_bisection, stretch_m
+from tests.support.sliced_cables import assert_joined, by_bisection, contact_point_m, stretch_m
 
 TEXT = """name: parallel
 configuration: siso_spur
