@@ -21,7 +21,7 @@ from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.stack import DirectStack, pocket_corner_radius_mm
 from mbcdm_cad.parts.boss import boss, column_start_mm
 from mbcdm_cad.parts.fits import MOUNT_SCREWS
-from mbcdm_cad.parts.motor_head.dims import DOWEL_MM, Flange, HeadFrameDims, dowel_length_mm
+from mbcdm_cad.parts.motor_head.dims import Flange, HeadFrameDims, head_frame
 from mbcdm_cad.parts.motor_head.dims import flange_screw as screw_of_flange
 from mbcdm_cad.parts.turned import DrumShaftDims
 
@@ -32,8 +32,6 @@ STOP_PIN_DEPTH_MM = 10.0
 ENCODER_ROOM_MM = 1.0
 # A pocket is higher than the two corners that its cutter leaves by this much.
 POCKET_FLAT_MM = 0.1
-# Thread of the encoder's screws in its housing, in diameters.
-ENCODER_GRIP = 1.25
 # Room beside a mounting screw's head for its washer face (estimate).
 MOUNT_HEAD_ROOM_MM = 0.5
 MOUNT_ROOM_MM = 0.6
@@ -80,8 +78,7 @@ def flange(levels: DirectStack) -> Flange:
 def column(drive: DirectDrive, levels: DirectStack, shaft: DrumShaftDims) -> ColumnDims:
     """Dimensions of the frame."""
     round_boss = boss(drive, shaft, levels.back_y, levels.boss_front_y)
-    encoder, upper = drive.encoder, drive.bearings.input_upper
-    encoder_screw, flange_screw = drive.screw(encoder.screw), screw_of_flange(drive)
+    encoder, flange_screw = drive.encoder, screw_of_flange(drive)
     insert, mount = drive.insert(drive.frame_material, flange_screw.thread_mm), MOUNT_SCREWS[drive.support.mount_screw]
     radius = corner_radius_mm(drive, levels)
     shelf_bottom = -levels.top_plate_top_z
@@ -108,30 +105,17 @@ def column(drive: DirectDrive, levels: DirectStack, shaft: DrumShaftDims) -> Col
         pocket_half_width=pocket,
         column_start_z=column_start_mm(round_boss),
         corner_radius=radius,
-        seat_radius=upper.outer_diameter_mm / 2,
-        seat_depth=upper.width_mm,
-        seat_shoulder_radius=upper.outer_shoulder_mm / 2,
-        encoder_screw_clearance=encoder_screw.clearance_mm / 2,
-        encoder_head_radius=encoder_screw.head_diameter_mm / 2 + 0.1,
-        encoder_head_depth=drive.support.encoder_shelf_mm
-        - encoder_screw.length_mm
-        + ENCODER_GRIP * encoder_screw.thread_mm,
-        encoder_circle_radius=encoder.bolt_circle_mm / 2,
-        stop_pin_radius=drive.drum.stop_pin_mm / 2,
         stop_pin_z=(stop_top + stop_bottom) / 2,
         stop_pin_start_y=levels.front_y - STOP_PIN_DEPTH_MM,
-        flange_screw_radius=(insert.hole_mm if insert else flange_screw.thread_mm) / 2,
         flange_screw_depth=max(
             flange_screw.length_mm - drive.support.bearing_shelf_mm + 0.5, insert.depth_mm if insert else 0.0
         ),
-        flange_insert=insert,
         flange_screws=head_flange.screws,
         dowels=head_flange.dowels,
-        dowel_radius=DOWEL_MM / 2,
-        dowel_depth=dowel_length_mm(drive) - drive.support.bearing_shelf_mm + 0.5,
         mounts=(
             *((s * mount_x, (shelf_bottom + stop_top) / 2) for s in (-1, 1)),
             *((s * mount_x, (stop_bottom + low) / 2) for s in (-1, 1)),
         ),
         mount_radius=mount.hole_mm / 2,
+        **head_frame(drive),
     )

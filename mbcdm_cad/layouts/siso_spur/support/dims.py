@@ -111,8 +111,6 @@ def least_wall_z_mm(drive: SpurDrive) -> float:
     return drive.drum_radius_mm + drive.cable.diameter_mm / 2 + drive.clearances.running_mm
 
 
-# Thread of the encoder's screws in its housing, in diameters.
-ENCODER_GRIP = 1.25
 # Width of the shelf beyond the encoder, on each side.
 SHELF_MARGIN_MM = 0.5
 # Width of shelf and bridge beyond the plate's opening on each side, where no encoder stands on the shelf (estimate).
@@ -241,17 +239,15 @@ def boss_flange(drive: SpurDrive) -> BossFlange | None:
 
 def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: dims.Flange) -> YokeDims:
     """Dimensions of the frame; ``head``: the flange of the motor head."""
-    s, encoder, upper = drive.support, drive.encoder, drive.bearings.input_upper
-    encoder_screw, screw = drive.screw(encoder.screw), dims.flange_screw(drive)
+    s, encoder, own = drive.support, drive.encoder, dims.head_frame(drive)
     round_boss = replace(boss(drive, shaft, levels.back_y, levels.boss_front_y), flange=boss_flange(drive))
     z = drive.centre_distance_mm
-    circle, head_radius = encoder.bolt_circle_mm / 2, encoder_screw.head_diameter_mm / 2 + 0.1
     bridge = z + drive.input_radius_mm + drive.cable.diameter_mm / 2 + WINDING_ROOM_MM
     bridge = max(bridge, z + encoder.diameter_mm / 2 + SHELF_MARGIN_MM - s.bridge_mm)
     if drive.stage is None:
         bridge = max(bridge, z + head.front_y - s.bridge_mm)
     mount = drive.screw(s.mount_bolt)
-    insert, mount_insert = (drive.insert(drive.frame_material, each.thread_mm) for each in (screw, mount))
+    mount_insert = drive.insert(drive.frame_material, mount.thread_mm)
     edge = _round_thread_mm(drive, mount, mount.thread_mm)
     beside = head.half_x - edge
     thread = (mount_insert.hole_mm if mount_insert else mount.thread_mm) / 2
@@ -262,8 +258,8 @@ def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: dims.F
     held = stands(drive, (levels.plate_back_y, levels.front_y))
     needed = max(
         encoder.diameter_mm / 2 + SHELF_MARGIN_MM,
-        circle + head_radius + drive.frame_material.min_wall_mm,
-        upper.outer_diameter_mm / 2 + drive.frame_material.min_wall_mm,
+        own["encoder_circle_radius"] + own["encoder_head_radius"] + drive.frame_material.min_wall_mm,
+        own["seat_radius"] + drive.frame_material.min_wall_mm,
         # No encoder says how wide the bridge must be to be stiff.
         opening_radius_mm(drive) + BRIDGE_BESIDE_MM if encoder.absent else 0.0,
     )
@@ -282,25 +278,14 @@ def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: dims.F
         plate_top_z=max(bridge + s.bridge_mm, z + head.front_y),
         opening_radius=opening_radius_mm(drive),
         corner_radius=max(CORNER_MM, drive.frame_material.min_internal_radius_mm),
-        seat_radius=upper.outer_diameter_mm / 2,
-        seat_depth=upper.width_mm,
-        seat_shoulder_radius=upper.outer_shoulder_mm / 2,
-        encoder_screw_clearance=encoder_screw.clearance_mm / 2,
-        encoder_head_radius=head_radius,
-        encoder_head_depth=s.encoder_shelf_mm - encoder_screw.length_mm + ENCODER_GRIP * encoder_screw.thread_mm,
-        encoder_circle_radius=circle,
-        stop_pin_radius=drive.drum.stop_pin_mm / 2 if drive.stopped else 0.0,
         stop_pin_z=_stop_pin_z_mm(drive, round_boss.radius),
-        flange_screw_radius=(insert.hole_mm if insert else screw.thread_mm) / 2,
-        flange_insert=insert,
         flange_screws=tuple((x, z + y) for x, y in head.screws),
         dowels=tuple((x, z + y) for x, y in head.dowels),
-        dowel_radius=dims.DOWEL_MM / 2,
-        dowel_depth=dims.dowel_length_mm(drive) - s.bearing_shelf_mm + 0.5,
         mounts=((-beside, lowest), (beside, lowest), (-beside, highest), (beside, highest)),
         mount_radius=thread,
         mount_insert=mount_insert,
         stands=held,
+        **own,
     )
     if not drive.overhung:
         return whole
