@@ -18,7 +18,7 @@ from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import drum_shaft, preload_spring
 from mbcdm_cad.parts.fits import MOUNT_SCREWS, MountScrew, MountThread
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM, GROOVE_RADIUS, JOURNAL_SLIT_MM, InputPulleyDims
-from mbcdm_cad.parts.motor_head.dims import HeadDims
+from mbcdm_cad.parts.motor_head.dims import DOWEL_MM, HeadDims, dowel_length_mm, flange_screw
 from mbcdm_cad.parts.terminal import Tensioner
 from mbcdm_cad.parts.turned import DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.routes import Floats
@@ -29,6 +29,10 @@ if TYPE_CHECKING:
     from mbcdm_cad.design.bought import Material
     from mbcdm_cad.model.si import DriveSI
     from mbcdm_cad.model.structure.causes import Cause
+
+
+# Thread of the encoder's screws in its housing, in diameters.
+ENCODER_GRIP = 1.25
 
 
 def coupled_pulley(drive: SectorDrive, levels: InputLevels, **own: Any) -> InputPulleyDims:
@@ -51,6 +55,29 @@ def coupled_pulley(drive: SectorDrive, levels: InputLevels, **own: Any) -> Input
         "slit_top_z": bottom + collar_width_mm(drive) + 1.0,
     }
     return InputPulleyDims(**journals | own)
+
+
+def head_frame(drive: SectorDrive) -> dict[str, Any]:
+    """The fields of :class:`~mbcdm_cad.parts.motor_head.dims.HeadFrameDims` that follow from bearing, encoder
+    and screws alone, by their names.
+    """
+    upper, encoder, screw = drive.bearings.input_upper, drive.encoder, flange_screw(drive)
+    encoder_screw, insert = drive.screw(encoder.screw), drive.insert(drive.frame_material, screw.thread_mm)
+    beside = drive.support.encoder_shelf_mm - encoder_screw.length_mm
+    return {
+        "seat_radius": upper.outer_diameter_mm / 2,
+        "seat_depth": upper.width_mm,
+        "seat_shoulder_radius": upper.outer_shoulder_mm / 2,
+        "encoder_screw_clearance": encoder_screw.clearance_mm / 2,
+        "encoder_head_radius": encoder_screw.head_diameter_mm / 2 + 0.1,
+        "encoder_head_depth": beside + ENCODER_GRIP * encoder_screw.thread_mm,
+        "encoder_circle_radius": encoder.bolt_circle_mm / 2,
+        "stop_pin_radius": drive.drum.stop_pin_mm / 2 if drive.stopped else 0.0,
+        "flange_screw_radius": (insert.hole_mm if insert else screw.thread_mm) / 2,
+        "flange_insert": insert,
+        "dowel_radius": DOWEL_MM / 2,
+        "dowel_depth": dowel_length_mm(drive) - drive.support.bearing_shelf_mm + 0.5,
+    }
 
 
 class SectorLayout(Layout):

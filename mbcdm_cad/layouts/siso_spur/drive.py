@@ -5,22 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import acos, hypot, inf, pi, radians, sqrt, tan, tau
-from typing import ClassVar, Literal, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
-from mbcdm_cad.design.blocks import Limits
 from mbcdm_cad.design.bought import Bearing
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.design.fields import ESTIMATE, EntryName, Number, choice, quantity
-from mbcdm_cad.design.sector_blocks import HeadSupport, SectorDrum, WoundPulleys
+from mbcdm_cad.design.sector_blocks import WoundPulleys
+from mbcdm_cad.layouts.siso_spur.schema import SpurDrum, SpurLimits, YokeSupport
 from mbcdm_cad.layouts.siso_spur.strand import SENSE, Circle, IdlerBlock, IdlerPlace, Strand, flange_radius_mm, taut
 from mbcdm_cad.parts.drum_sector.design import SectorBearings, SectorDrive, SectorRun
 from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_DEPTH, GROOVE_RADIUS
 
-# Screws of the catalogue by their thread; their length depends on the base.
-MOUNT_BOLTS = {"M3": "M3x8", "M4": "M4x10", "M5": "M5x16", "M6": "M6x25"}
 _Spur = TypeVar("_Spur", bound="SpurDrive")
 # Angle of half the transition from the cable's helix to the plane of its terminal, which follows the last point that
 # ever leaves the drum.
@@ -31,8 +28,6 @@ MOST_SECTOR_TRAVEL_DEG = 120.0
 RING_WRAP_DEG = 5.0
 # Largest angle from the centre at which a pin stops the drum: beyond, the web beside its slot would be narrow.
 MOST_STOP_DEG = 165.0
-# Most turns on an input (estimate: a winding some ten times as long as the input is thick).
-MOST_TURNS = 100
 # Half the range of the preloads of parallel cables that are set by the pitch of a span, over their mean (estimate: 5 %
 # of the pitch are 10 % of the tension).
 PITCH_SPREAD = 0.1
@@ -67,82 +62,6 @@ class SpurBearings(SectorBearings):
     """The bearing chosen for each role, that of idlers too."""
 
     idler: Bearing | None = None  # in both ends of each idler
-
-
-@dataclass(frozen=True, kw_only=True)
-class YokeSupport(HeadSupport):
-    """Frame: a plate with the drum's boss and a yoke over the input, and the motor head behind it."""
-
-    ORDER: ClassVar[tuple[str, ...]] = (
-        *("material", "back_y_mm", "plate_mm", "bridge_mm", "side_wall_mm"),
-        *("motor_shelf_mm", "coupling_space_mm", "bearing_shelf_mm", "encoder_shelf_mm"),
-    )
-
-    material: EntryName = choice("material of frame and motor head", source=ESTIMATE, reference="aluminium-7075")
-    back_y_mm: Number = quantity(
-        "end of the drum's encoder behind the frame",
-        "[-300, -1]",
-        source="distance between the drum's bearings",
-        reference=-25.5,
-    )
-    plate_mm: Number = quantity("plate thickness", "[0.3, 50]", source=ESTIMATE, reference=5.0)
-    bridge_mm: Number = quantity(
-        "bridge from the plate to the encoder shelf, over the input", "[0.3, 50]", source=ESTIMATE, reference=4.0
-    )
-    side_wall_mm: Number = quantity("twice the wall of the motor head", "[0.3, 50]", source=ESTIMATE, reference=4.0)
-    coupling_space_mm: Number = quantity(
-        "length between the shelves: coupling collar, gearhead screws and the tools for both",
-        "[2, 100]",
-        source=ESTIMATE,
-        reference=9.6,
-    )
-    mount_screw: Literal["M3", "M4", "M5", "M6"] = choice(
-        "screws that hold the frame on its base, in threads of the plate", source=ESTIMATE, reference="M3", default="M3"
-    )
-
-    @property
-    def mount_bolt(self) -> str:
-        """The screw of the catalogue that gives the mounting threads their sizes."""
-        return MOUNT_BOLTS[self.mount_screw]
-
-
-@dataclass(frozen=True, kw_only=True)
-class SpurDrum(SectorDrum):
-    """Drum sector with web, hub and tensioners; y is along the drum axis from the middle of the cable."""
-
-    sector_half_angle_deg: Number = quantity(
-        "half angle of the sector, from the line of centres, up to 175; 180: a whole drum, on which a cable may lie in "
-        "more than one turn",
-        ge=20.0,
-        le=WHOLE_DEG,
-    )
-    shaft_end_mm: Number = quantity(
-        "length of the drum's shaft that stands out behind the frame and is the output there; the frame's boss then "
-        "ends in a flange to be screwed on, and drive.drum_encoder is none; 0: the hub alone is the output",
-        "[0, 60]",
-        default=0.0,
-    )
-
-
-@dataclass(frozen=True, kw_only=True)
-class SpurLimits(Limits):
-    """Limits of this design, which the checks use."""
-
-    ORDER: ClassVar[tuple[str, ...]] = (
-        "bend_ratio_min",
-        "slip_margin_min",
-        "tension_safety_factor",
-        "preload_share_max",
-        "frame_windup_max_mrad",
-    )
-
-    slip_margin_min: Number = quantity(
-        "torque at which a continuous cable slips on the input over the peak torque",
-        "[1, 20]",
-        source="estimate: friction is known to a factor of two",
-        reference=2.0,
-        default=2.0,
-    )
 
 
 @dataclass(frozen=True)

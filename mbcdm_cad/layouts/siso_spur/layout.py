@@ -25,11 +25,11 @@ from mbcdm_cad.checks.fixings import STRESS_SAFETY
 from mbcdm_cad.layouts.base import Conventions, dimensions
 from mbcdm_cad.layouts.sector import HeadLayout
 from mbcdm_cad.layouts.siso_spur.cable_path import cable_paths, longest_mm, routed, side_length_mm
-from mbcdm_cad.layouts.siso_spur.drive import MOST_SPREAD, PITCH_SPREAD, SpurDrive, SpurRun, YokeSupport, laid, spur
-from mbcdm_cad.layouts.siso_spur.first_stage import FirstStageUnit
+from mbcdm_cad.layouts.siso_spur.drive import MOST_SPREAD, PITCH_SPREAD, SpurDrive, SpurRun, laid, spur
 from mbcdm_cad.layouts.siso_spur.idlers import IdlerPin, Idlers, idlers, pins
 from mbcdm_cad.layouts.siso_spur.pulley import ServoHorn, input_pulley
-from mbcdm_cad.layouts.siso_spur.stage import BeltOrGears
+from mbcdm_cad.layouts.siso_spur.schema import YokeSupport
+from mbcdm_cad.layouts.siso_spur.stage import BeltOrGears, FirstStageUnit
 from mbcdm_cad.layouts.siso_spur.strand import IdlerBlock, no_strand
 from mbcdm_cad.layouts.siso_spur.support.dims import SpurStack, YokeDims, flange, spur_stack, yoke
 from mbcdm_cad.parts.coupling import (

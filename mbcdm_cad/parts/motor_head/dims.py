@@ -25,8 +25,6 @@ from mbcdm_cad.parts.drum_sector.design import InputLevels, SectorDrive
 FLANGE_THREADS_MM = ((22.0, 2.0), (100.0, 3.0), (200.0, 4.0))
 FLANGE_THREAD_MOST_MM = 5.0
 DOWEL_MM = 2.0
-# Thread of the encoder's screws in its housing, in diameters.
-ENCODER_GRIP = 1.25
 DOWEL_LENGTHS_MM = (6.0, 8.0, 10.0, 12.0, 16.0)
 # Way of the motor on its shelf from the middle, each way, to lay a belt on and to tighten it: half of a usual
 # tolerance of a belt's length and its stretch (estimate).
@@ -123,27 +121,6 @@ class HeadFrameDims:
     def encoder_screw_depth(self) -> float:
         """Depth of the threads for the drum encoder's screws."""
         return self.boss.screw_depth
-
-
-def head_frame(drive: SectorDrive) -> dict[str, Any]:
-    """The fields of :class:`HeadFrameDims` that follow from bearing, encoder and screws alone, by their names."""
-    upper, encoder, screw = drive.bearings.input_upper, drive.encoder, flange_screw(drive)
-    encoder_screw, insert = drive.screw(encoder.screw), drive.insert(drive.frame_material, screw.thread_mm)
-    beside = drive.support.encoder_shelf_mm - encoder_screw.length_mm
-    return {
-        "seat_radius": upper.outer_diameter_mm / 2,
-        "seat_depth": upper.width_mm,
-        "seat_shoulder_radius": upper.outer_shoulder_mm / 2,
-        "encoder_screw_clearance": encoder_screw.clearance_mm / 2,
-        "encoder_head_radius": encoder_screw.head_diameter_mm / 2 + 0.1,
-        "encoder_head_depth": beside + ENCODER_GRIP * encoder_screw.thread_mm,
-        "encoder_circle_radius": encoder.bolt_circle_mm / 2,
-        "stop_pin_radius": drive.drum.stop_pin_mm / 2 if drive.stopped else 0.0,
-        "flange_screw_radius": (insert.hole_mm if insert else screw.thread_mm) / 2,
-        "flange_insert": insert,
-        "dowel_radius": DOWEL_MM / 2,
-        "dowel_depth": dowel_length_mm(drive) - drive.support.bearing_shelf_mm + 0.5,
-    }
 
 
 def flange_screw(drive: SectorDrive) -> Screw:

@@ -11,8 +11,8 @@ from mbcdm_cad.design.resolve import Catalogue
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.yamltree import FieldPath
 from mbcdm_cad.layouts.siso_spur import design_file as of_one
-from mbcdm_cad.layouts.siso_spur.design_file.schema import SpurBlocks, SpurSide
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, laid
+from mbcdm_cad.layouts.siso_spur.schema import SpurBlocks, SpurSide
 from mbcdm_cad.parts.drum_sector.dims import SCREWS
 
 REFERENCE = reference_of(Path(__file__).parent)

@@ -17,11 +17,12 @@ Seen from the front (x across, z up), heights as in the assembly:
 
 from dataclasses import dataclass
 
+from mbcdm_cad.layouts.sector import head_frame
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.stack import DirectStack, pocket_corner_radius_mm
 from mbcdm_cad.parts.boss import boss, column_start_mm
 from mbcdm_cad.parts.fits import MOUNT_SCREWS
-from mbcdm_cad.parts.motor_head.dims import Flange, HeadFrameDims, head_frame
+from mbcdm_cad.parts.motor_head.dims import Flange, HeadFrameDims
 from mbcdm_cad.parts.motor_head.dims import flange_screw as screw_of_flange
 from mbcdm_cad.parts.turned import DrumShaftDims
 

@@ -11,8 +11,8 @@ from mbcdm_cad.design.rules import Broken, NamedEntry, counted, on_one_side
 from mbcdm_cad.design.sector_blocks import MOST_SECTOR_DEG
 from mbcdm_cad.design.yamltree import FieldPath
 from mbcdm_cad.layouts.siso_spur import drive as d
-from mbcdm_cad.layouts.siso_spur.design_file.schema import REFERENCE, SpurBlocks, SpurDesign, SpurTransmission
 from mbcdm_cad.layouts.siso_spur.first_stage import broken_first_stage, of_design
+from mbcdm_cad.layouts.siso_spur.schema import REFERENCE, SpurBlocks, SpurDesign, SpurTransmission
 from mbcdm_cad.parts.drum_sector.design import sector_entries, sector_values, terminal_angle_rad
 from mbcdm_cad.parts.drum_sector.dims import SCREWS, WHOLE_DEG
 

@@ -17,7 +17,7 @@ from mbcdm_cad.layouts.common_rules import SCHEMA_VERSION, half_travel, missing_
 from mbcdm_cad.layouts.head_basis import LIMITS, METALS, ROPE_LIMITS, TRAIN
 from mbcdm_cad.layouts.head_parts import PARTS
 from mbcdm_cad.layouts.open_ratio import SizingRules
-from mbcdm_cad.layouts.siso_spur.drive import MOUNT_BOLTS
+from mbcdm_cad.layouts.siso_spur.schema import MOUNT_BOLTS
 from mbcdm_cad.layouts.siso_spur.sizing import dims
 from mbcdm_cad.layouts.siso_spur.sizing.basis import (
     LAND_EDGE,

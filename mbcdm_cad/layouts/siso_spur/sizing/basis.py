@@ -24,10 +24,10 @@ from mbcdm_cad.layouts.head_basis import (
     thinnest_rope_by,
 )
 from mbcdm_cad.layouts.head_parts import JOURNAL_MM
-from mbcdm_cad.layouts.siso_spur.design_file.schema import REFERENCE
-from mbcdm_cad.layouts.siso_spur.drive import MOST_SECTOR_TRAVEL_DEG, MOST_TURNS, PITCH_SPREAD
+from mbcdm_cad.layouts.siso_spur.drive import MOST_SECTOR_TRAVEL_DEG, PITCH_SPREAD
 from mbcdm_cad.layouts.siso_spur.first_stage import FirstStage, of_data
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
+from mbcdm_cad.layouts.siso_spur.schema import MOST_TURNS, REFERENCE
 from mbcdm_cad.layouts.trial_sizing import TrialKnown, whole_turns
 from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
 from mbcdm_cad.parts.input_pulley.dims import neck_mm, widest_bend_mm

@@ -6,7 +6,7 @@ from typing import Any
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts import head_dims
 from mbcdm_cad.layouts.head_parts import by_mass
-from mbcdm_cad.layouts.siso_spur.drive import MOUNT_BOLTS
+from mbcdm_cad.layouts.siso_spur.schema import MOUNT_BOLTS
 from mbcdm_cad.layouts.siso_spur.sizing.basis import SpurKnown
 from mbcdm_cad.layouts.siso_spur.strand import flange_radius_mm
 from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_up, rule

@@ -18,6 +18,7 @@ from math import ceil, inf, pi, tan
 
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM
 from mbcdm_cad.design.bought import InsertSpec, Screw
+from mbcdm_cad.layouts.sector import head_frame
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, boss_front_y_mm, drum_inner_y_mm, groove_depth_mm, run_out_mm
 from mbcdm_cad.layouts.siso_spur.idlers import FLANGE_MM, StandDims, stands
 from mbcdm_cad.layouts.siso_spur.pulley import MotorSeat, without_bearings
@@ -239,7 +240,7 @@ def boss_flange(drive: SpurDrive) -> BossFlange | None:
 
 def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: dims.Flange) -> YokeDims:
     """Dimensions of the frame; ``head``: the flange of the motor head."""
-    s, encoder, own = drive.support, drive.encoder, dims.head_frame(drive)
+    s, encoder, own = drive.support, drive.encoder, head_frame(drive)
     round_boss = replace(boss(drive, shaft, levels.back_y, levels.boss_front_y), flange=boss_flange(drive))
     z = drive.centre_distance_mm
     bridge = z + drive.input_radius_mm + drive.cable.diameter_mm / 2 + WINDING_ROOM_MM

@@ -1,21 +1,24 @@
 """Schema of a siso_spur design file: the blocks that are this configuration's own, each field with its source.
 
-Reference values of shared blocks are in ``reference.json``.
+Reference values of shared blocks are in ``design_file/reference.json``.
 """
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
-from mbcdm_cad.design.blocks import TRAVEL_MAX_DEG, Design, Input, Length, Rope, Travel
-from mbcdm_cad.design.fields import Block, Integer, Number, choice, quantity
+from mbcdm_cad.design.blocks import TRAVEL_MAX_DEG, Design, Input, Length, Limits, Rope, Travel
+from mbcdm_cad.design.fields import ESTIMATE, Block, EntryName, Integer, Number, PlainBlock, choice, quantity
 from mbcdm_cad.design.loader import reference_of
-from mbcdm_cad.design.sector_blocks import Clearances, SectorCable, WoundPulleys
-from mbcdm_cad.layouts.siso_spur.drive import MOST_TURNS, SpurDrum, SpurLimits, YokeSupport
-from mbcdm_cad.layouts.siso_spur.first_stage import FirstStageBlock
+from mbcdm_cad.design.sector_blocks import Clearances, HeadSupport, SectorCable, SectorDrum, WoundPulleys
 from mbcdm_cad.layouts.siso_spur.strand import IdlerBlock
+from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
 
-REFERENCE = reference_of(Path(__file__).parent)
+REFERENCE = reference_of(Path(__file__).parent / "design_file")
+# Screws of the catalogue by their thread; their length depends on the base.
+MOUNT_BOLTS = {"M3": "M3x8", "M4": "M4x10", "M5": "M5x16", "M6": "M6x25"}
+# Most turns on an input (estimate: a winding some ten times as long as the input is thick).
+MOST_TURNS = 100
 
 
 class SpurTransmission(Block):
@@ -130,6 +133,82 @@ class SpurSide(SectorCable):
     drum_side: Literal["-x", "+x"] = choice("side of the drum, from the line of centres")
 
 
+@dataclass(frozen=True, kw_only=True)
+class YokeSupport(HeadSupport):
+    """Frame: a plate with the drum's boss and a yoke over the input, and the motor head behind it."""
+
+    ORDER: ClassVar[tuple[str, ...]] = (
+        *("material", "back_y_mm", "plate_mm", "bridge_mm", "side_wall_mm"),
+        *("motor_shelf_mm", "coupling_space_mm", "bearing_shelf_mm", "encoder_shelf_mm"),
+    )
+
+    material: EntryName = choice("material of frame and motor head", source=ESTIMATE, reference="aluminium-7075")
+    back_y_mm: Number = quantity(
+        "end of the drum's encoder behind the frame",
+        "[-300, -1]",
+        source="distance between the drum's bearings",
+        reference=-25.5,
+    )
+    plate_mm: Number = quantity("plate thickness", "[0.3, 50]", source=ESTIMATE, reference=5.0)
+    bridge_mm: Number = quantity(
+        "bridge from the plate to the encoder shelf, over the input", "[0.3, 50]", source=ESTIMATE, reference=4.0
+    )
+    side_wall_mm: Number = quantity("twice the wall of the motor head", "[0.3, 50]", source=ESTIMATE, reference=4.0)
+    coupling_space_mm: Number = quantity(
+        "length between the shelves: coupling collar, gearhead screws and the tools for both",
+        "[2, 100]",
+        source=ESTIMATE,
+        reference=9.6,
+    )
+    mount_screw: Literal["M3", "M4", "M5", "M6"] = choice(
+        "screws that hold the frame on its base, in threads of the plate", source=ESTIMATE, reference="M3", default="M3"
+    )
+
+    @property
+    def mount_bolt(self) -> str:
+        """The screw of the catalogue that gives the mounting threads their sizes."""
+        return MOUNT_BOLTS[self.mount_screw]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpurDrum(SectorDrum):
+    """Drum sector with web, hub and tensioners; y is along the drum axis from the middle of the cable."""
+
+    sector_half_angle_deg: Number = quantity(
+        "half angle of the sector, from the line of centres, up to 175; 180: a whole drum, on which a cable may lie in "
+        "more than one turn",
+        ge=20.0,
+        le=WHOLE_DEG,
+    )
+    shaft_end_mm: Number = quantity(
+        "length of the drum's shaft that stands out behind the frame and is the output there; the frame's boss then "
+        "ends in a flange to be screwed on, and drive.drum_encoder is none; 0: the hub alone is the output",
+        "[0, 60]",
+        default=0.0,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpurLimits(Limits):
+    """Limits of this design, which the checks use."""
+
+    ORDER: ClassVar[tuple[str, ...]] = (
+        "bend_ratio_min",
+        "slip_margin_min",
+        "tension_safety_factor",
+        "preload_share_max",
+        "frame_windup_max_mrad",
+    )
+
+    slip_margin_min: Number = quantity(
+        "torque at which a continuous cable slips on the input over the peak torque",
+        "[1, 20]",
+        source="estimate: friction is known to a factor of two",
+        reference=2.0,
+        default=2.0,
+    )
+
+
 class SpurBlocks(Design):
     """The blocks of a drive whose cables go round inputs beside the drum."""
 
@@ -153,6 +232,30 @@ class SpurTravel(Travel):
     # A whole drum may turn more than once.
 
     half_angle_deg: Number = quantity("travel from the centre to each side", ge=1.0, le=TRAVEL_MAX_DEG)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FirstStageBlock(PlainBlock):
+    """A cable stage between the motor and the input: a whole drive of this layout, whose drum's shaft turns the input.
+
+    Motor and gearhead of the block ``drive`` are then those of the first stage.
+    """
+
+    total_ratio: Number | None = quantity(
+        "turns of the first stage's input for one of the drum; a rule splits it between the stages",
+        "[2, 3600]",
+        example=24.0,
+    )
+    ratio: Number | None = quantity(
+        "drum radius over input radius of the first stage; left out: from total_ratio, else what the motor needs",
+        "[1, 60]",
+        example=6.0,
+    )
+    design: dict[str, Any] | None = choice(
+        "other words for the first stage, as in a siso_spur file: {rope: {type: 7x7-0.54}, transmission: "
+        "{drum_radius_mm: 40.0}}; what is left out follows from the rules",
+        example={"transmission": {"drum_radius_mm": 40.0}},
+    )
 
 
 class SpurDesign(SpurBlocks):
