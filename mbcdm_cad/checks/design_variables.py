@@ -48,6 +48,16 @@ def down(path: str) -> Adjustment:
     return Adjustment(path, -1)
 
 
+def ups(*paths: str) -> tuple[Adjustment, ...]:
+    """Raise one of the design variables."""
+    return tuple(map(up, paths))
+
+
+def downs(*paths: str) -> tuple[Adjustment, ...]:
+    """Lower one of them."""
+    return tuple(map(down, paths))
+
+
 def _read(drive: Drive, names: list[str]) -> Any:
     return reduce(getattr, names, cast(Any, drive))
 

@@ -3,7 +3,7 @@
 from math import asin, degrees, radians
 
 from mbcdm_cad.checks.comparison import TOLERANCE, Comparison, Findings, at_least, at_most, check, check_for, worst
-from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.checks.design_variables import down, downs, up, ups
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import NoFigureError
@@ -58,8 +58,7 @@ def web_in_rim(s: SectorLayout) -> Findings:
     "Every land is half a cable wide",
     "derived",
     down(at.clearances.land_edge_mm),
-    up("all radii of transmission"),
-    up(at.drum.outer_face_y_mm),
+    *ups("all radii of transmission", at.drum.outer_face_y_mm),
 )
 def land_thickness(s: SectorLayout) -> Findings:
     """Width of every land along y, at least half a cable."""
@@ -175,9 +174,7 @@ def _larger_drum(s: SectorLayout) -> str:
     up(at.drum.rim_inner_radius_mm),
     down(at.drum.hub_diameter_mm),
     up(at.drum.sector_half_angle_deg),
-    down(at.travel.half_angle_deg),
-    down(at.travel.stop_clearance_deg),
-    down(at.support.coupling_space_mm),
+    *downs(at.travel.half_angle_deg, at.travel.stop_clearance_deg, at.support.coupling_space_mm),
     advice=_larger_drum,
 )
 def stop_slot(s: SectorLayout) -> Findings:

@@ -9,7 +9,7 @@ import numpy as np
 
 from mbcdm_cad.checks.bearings import carried_check, drum_reactions_N, reactions
 from mbcdm_cad.checks.comparison import Comparison, Findings, check, noted
-from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.design_variables import Adjustment, down, downs, up
 from mbcdm_cad.checks.drum_sector import stop_check
 from mbcdm_cad.checks.strength import rated_input_Nm
 from mbcdm_cad.design.bought import Material, Screw
@@ -151,8 +151,7 @@ def strongest(s: SectorLayout) -> Strongest:
 @stop_check(
     "Stop pin holds stalled motors",
     "beam theory; 1.5 on yield: usual rule",
-    down("drum.web_thickness_mm"),
-    down("loads.peak_torque_Nm"),
+    *downs("drum.web_thickness_mm", "loads.peak_torque_Nm"),
     up("all radii of transmission"),
     unit="times",
 )

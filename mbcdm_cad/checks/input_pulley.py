@@ -2,7 +2,7 @@
 
 from mbcdm_cad.checks.bearings import carried_check, coupled_check
 from mbcdm_cad.checks.comparison import Check, Comparison, Findings, at_least, at_most, check, noted
-from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.design_variables import Adjustment, down, up, ups
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.coupling import collar_width_mm
@@ -53,9 +53,7 @@ def stop_pocket_wall(s: SectorLayout) -> Findings:
 @check(
     "Metal between the stops' pockets",
     "material: min_wall_mm",
-    up(at.rope.helix_lead_mm),
-    up(at.rope.dead_turns),
-    up("all radii of transmission"),
+    *ups(at.rope.helix_lead_mm, at.rope.dead_turns, "all radii of transmission"),
 )
 def stop_pocket_floor(s: SectorLayout) -> Findings:
     """Wall between the pockets that are milled from both end faces of a pulley."""
@@ -120,8 +118,7 @@ def encoder_fit(s: SectorLayout) -> Findings:
 @check(
     "Bought parts are deep enough for their holes",
     "catalogue; 1 mm: estimate",
-    up(at.support.motor_shelf_mm),
-    up(at.support.top_plate_mm),
+    *ups(at.support.motor_shelf_mm, at.support.top_plate_mm),
     advice="choose a drive.gearhead or drive.encoder with a shorter screw",
     none=noted("no threaded holes in bought parts: depth", 0.0, "mm"),
 )
@@ -182,8 +179,7 @@ def pilot_room(s: SectorLayout) -> Findings:
 @carried_check(
     "Coupling space is high enough",
     "clearances.running_mm; 0.1 mm: estimate",
-    up(at.support.coupling_space_mm),
-    up(at.support.motor_shelf_mm),
+    *ups(at.support.coupling_space_mm, at.support.motor_shelf_mm),
 )
 def coupling_height(s: SectorLayout) -> Findings:
     """The coupling space has room for collar and slit below the bearing, and to insert gearhead screws and collar."""

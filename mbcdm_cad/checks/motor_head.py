@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from mbcdm_cad.checks.bearings import carried_check
 from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check
-from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.checks.design_variables import down, up, ups
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, corner_gap, web_between
 from mbcdm_cad.design.bought import Encoder, Screw
 from mbcdm_cad.design.paths import at
@@ -118,8 +118,7 @@ def collar_space(s: HeadLayout) -> Findings:
 @carried_check(
     "Encoder shelf takes bearing and screws",
     "material: min_wall_mm",
-    up(at.support.bearing_shelf_mm),
-    up(at.support.encoder_shelf_mm),
+    *ups(at.support.bearing_shelf_mm, at.support.encoder_shelf_mm),
 )
 def encoder_shelf(s: HeadLayout) -> Findings:
     """The encoder's screws have metal under their heads and enough thread in its housing."""

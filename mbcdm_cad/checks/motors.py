@@ -12,7 +12,7 @@ from math import ceil, degrees, isfinite
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Comparison, Family, at_least, at_most, check, noted, worst
-from mbcdm_cad.checks.design_variables import down
+from mbcdm_cad.checks.design_variables import down, downs
 from mbcdm_cad.checks.run import floored, rounded
 from mbcdm_cad.checks.strength import balanced_preloads, rated_input_Nm
 from mbcdm_cad.design.paths import at
@@ -282,8 +282,7 @@ def _asked(field: str, drive: object) -> bool:
 @check(
     "Speed of the drum under load",
     "loads.speed_deg_s; motor catalogue: constant, resistance, voltage",
-    down(at.transmission.input_to_drum),
-    down(at.loads.speed_deg_s),
+    *downs(at.transmission.input_to_drum, at.loads.speed_deg_s),
     advice="choose a gearhead of lower ratio, a higher drive.bus_voltage_V or a faster motor",
     applies=partial(_asked, "speed_deg_s"),
 )

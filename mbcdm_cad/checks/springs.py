@@ -6,7 +6,7 @@ from contextlib import suppress
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check_for, worst
-from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.checks.design_variables import down, downs, up, ups
 from mbcdm_cad.design.bought import SpringSpec
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.drive import CableRun
@@ -68,8 +68,7 @@ def _strong(s: SectorLayout) -> str:
 @_spring_check(
     "Springs are not pressed flat at peak torque",
     "catalogue of springs: usable share of their travel",
-    down(at.loads.peak_torque_Nm),
-    down(at.rope.preload_N),
+    *downs(at.loads.peak_torque_Nm, at.rope.preload_N),
     advice=_strong,
     unit="times",
 )
@@ -124,8 +123,7 @@ def _stiffer(s: SectorLayout) -> str:
 @_spring_check(
     "Turn by springs that move",
     "model with wraps that end; a quarter of the cables' turn: estimate",
-    up(at.rope.preload_N),
-    up(at.drum.sector_half_angle_deg),
+    *ups(at.rope.preload_N, at.drum.sector_half_angle_deg),
     advice=_stiffer,
     warn=True,
 )

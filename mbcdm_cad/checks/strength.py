@@ -9,7 +9,7 @@ from math import ceil, exp, tau
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Comparison, Family, Findings, at_least, at_most, check, noted
-from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.checks.design_variables import down, downs, up
 from mbcdm_cad.checks.run import floored, rounded
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.paths import at
@@ -66,8 +66,7 @@ def _stronger_rope(s: Layout, found: Comparison) -> str:
 @check(
     "Tension against the breaking load",
     "limits.tension_safety_factor; rope makers: 5 to 10",
-    down(at.loads.peak_torque_Nm),
-    down(at.rope.preload_N),
+    *downs(at.loads.peak_torque_Nm, at.rope.preload_N),
     advice_on=_stronger_rope,
     unit="times",
 )
@@ -121,8 +120,7 @@ def termination_fits(s: Layout) -> Findings:
     "Ends hold the cable",
     "limits.tension_safety_factor; strength share in the catalogue of terminations",
     up(at.rope.dead_turns),
-    down(at.loads.peak_torque_Nm),
-    down(at.rope.preload_N),
+    *downs(at.loads.peak_torque_Nm, at.rope.preload_N),
     advice_on=lambda s, found: f"{_stronger_rope(s, found)} or a stronger rope.termination",
     unit="times",
 )

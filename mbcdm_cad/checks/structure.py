@@ -3,7 +3,7 @@
 from math import hypot, pi
 
 from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check, noted, worst
-from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.design_variables import Adjustment, down, up, ups
 from mbcdm_cad.checks.fixings import FRICTION, STRESS_SAFETY, lasting_MPa, stalled_Nm
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import PRINTED_WINDUP
@@ -36,8 +36,7 @@ def _stronger(s: SectorLayout) -> str:
 @check(
     "Stress in the drum",
     "plane elements and plates, torsion of a tube; 1.5 on yield, 0.4 of it for plastics: usual rule, estimate",
-    up(at.drum.web_thickness_mm),
-    up(at.drum.hub_diameter_mm),
+    *ups(at.drum.web_thickness_mm, at.drum.hub_diameter_mm),
     *_LESS,
     advice=_stronger,
 )
@@ -176,10 +175,7 @@ def _stiffer(s: SectorLayout) -> str:
 @check(
     "Stiffness at the payload",
     "loads.stiffness_Nm_rad; compliance by cause",
-    up(at.drum.web_thickness_mm),
-    up(at.drum.hub_diameter_mm),
-    up("all radii of transmission"),
-    up(at.rope.preload_N),
+    *ups(at.drum.web_thickness_mm, at.drum.hub_diameter_mm, "all radii of transmission", at.rope.preload_N),
     *_METALS,
     advice=_stiffer,
 )
@@ -206,8 +202,7 @@ def most_share(s: SectorLayout) -> float:
 @check(
     "Structure's turn over the cables' turn",
     "loads.structure_share, else a warning beyond 2.5, printed 5: more than rules leave; compliance by cause",
-    up(at.drum.web_thickness_mm),
-    up(at.drum.hub_diameter_mm),
+    *ups(at.drum.web_thickness_mm, at.drum.hub_diameter_mm),
     *_METALS,
     advice=lambda s: _softest(structure_of(s), {}),
     applies=lambda drive: drive.loads.structure_share is not None or drive.loads.stiffness_Nm_rad is None,

@@ -7,7 +7,7 @@ from math import acos, atan2, degrees, hypot
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Comparison, Family, Findings, at_most, check, noted
-from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.design_variables import Adjustment, down, downs, up
 from mbcdm_cad.checks.geometry import Points, box_gap, polygon_gap
 from mbcdm_cad.checks.springs import led
 from mbcdm_cad.design.catalogue import package_entries
@@ -183,8 +183,7 @@ def pocket_corners(s: SectorLayout) -> Findings:
 @check(
     "Stress in the tensioner studs",
     "material: yield_MPa; 2: usual rule",
-    down(at.loads.peak_torque_Nm),
-    down(at.rope.preload_N),
+    *downs(at.loads.peak_torque_Nm, at.rope.preload_N),
     advice="choose a larger drum.tensioner",
     unit="times",
 )
@@ -200,8 +199,7 @@ def stud_stress(s: SectorLayout) -> Findings:
     "Stress in the lugs",
     "material: yield_MPa; 2: usual rule",
     up(at.drum.outer_face_y_mm),
-    down(at.loads.peak_torque_Nm),
-    down(at.rope.preload_N),
+    *downs(at.loads.peak_torque_Nm, at.rope.preload_N),
     unit="times",
 )
 def lug_stress(s: SectorLayout) -> Findings:

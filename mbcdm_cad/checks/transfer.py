@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Check, Comparison, Findings, at_least, at_most, check, noted, worst
-from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.design_variables import Adjustment, down, downs, up, ups
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
@@ -61,8 +61,7 @@ def radii_rise(s: SectorLayout) -> Findings:
 @check(
     "Drum lands wide enough for half a cable and the edge",
     "",
-    down("rope diameter_mm"),
-    down(at.clearances.land_edge_mm),
+    *downs("rope diameter_mm", at.clearances.land_edge_mm),
     up("all radii of transmission"),
 )
 def land_width(s: SectorLayout) -> Findings:
@@ -123,8 +122,7 @@ def body_gaps_mm(s: SectorLayout) -> list[tuple[str, int, float]]:
     "paper section 2.2 (placed closely); run-out of 0.05 mm: estimate",
     up(at.clearances.transfer_gap_mm),
     down(at.clearances.land_edge_mm),
-    up("rope diameter_mm"),
-    up("all radii of transmission"),
+    *ups("rope diameter_mm", "all radii of transmission"),
 )
 def bodies_clear(s: SectorLayout) -> Comparison:
     """The smallest gap between the two bodies, including the walls of their steps."""
@@ -135,8 +133,7 @@ def bodies_clear(s: SectorLayout) -> Comparison:
     "",
     "derived: a wider gap lets a cable slip in",
     down(at.clearances.transfer_gap_mm),
-    up(at.clearances.land_edge_mm),
-    up("rope diameter_mm"),
+    *ups(at.clearances.land_edge_mm, "rope diameter_mm"),
 )
 def transfer_gap(s: SectorLayout) -> Findings:
     """At every transfer point the gap between the bodies is less than half a cable, so that no cable slips into it."""
@@ -193,8 +190,7 @@ def wrap_left(s: SectorLayout) -> Findings:
 @check(
     "Wrap on the drum stays under a turn",
     "paper section 2.1",
-    down(at.drum.sector_half_angle_deg),
-    down(at.travel.half_angle_deg),
+    *downs(at.drum.sector_half_angle_deg, at.travel.half_angle_deg),
 )
 def wrap_under_turn(s: SectorLayout) -> Findings:
     """Cable and terminal take less than a full turn; otherwise they would reach the transfer point a second time."""

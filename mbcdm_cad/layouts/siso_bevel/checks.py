@@ -8,7 +8,7 @@ import numpy as np
 
 from mbcdm_cad.checks import bearings, drum_sector, fixings, motor_head, motors, springs, strength, structure, terminals
 from mbcdm_cad.checks.comparison import Comparison, Family, Findings, at_least, at_most, check, families
-from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.design_variables import Adjustment, down, downs, up, ups
 from mbcdm_cad.checks.geometry import cables_apart, corner_gap, drum_zones, frame_front, rim_points, wrap_points
 from mbcdm_cad.checks.input_pulley import pulley_checks
 from mbcdm_cad.checks.motor_head import boss_walls, encoder_shelf
@@ -66,9 +66,7 @@ def _ratio_that_fits(s: DirectLayout) -> str:
 @check(
     "Wrap on the input stays under a turn",
     "derived: the transfer point stays in its plane; paper section 2.1",
-    down(at.transmission.input_to_drum),
-    down(at.travel.half_angle_deg),
-    down(at.transmission.reserve_deg),
+    *downs(at.transmission.input_to_drum, at.travel.half_angle_deg, at.transmission.reserve_deg),
     advice=_ratio_that_fits,
 )
 def input_under_turn(s: DirectLayout) -> Findings:
@@ -119,9 +117,7 @@ def stacks(s: DirectLayout) -> Iterator[StackUp]:
 @check(
     "Walls of frame and motor head are thick enough",
     _WALL,
-    up(at.support.back_plate_mm),
-    up(at.support.side_wall_mm),
-    up(at.support.motor_shelf_mm),
+    *ups(at.support.back_plate_mm, at.support.side_wall_mm, at.support.motor_shelf_mm),
     *_SHELVES,
     up(at.support.rib_mm),
 )

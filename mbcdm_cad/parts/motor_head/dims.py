@@ -94,24 +94,17 @@ class HeadDims(CouplingBox):
 
 
 @dataclass(frozen=True, kw_only=True)
-class HeadFrameDims:
-    """What a frame with a motor head has whatever its shape, mm: boss, encoder shelf, stop pin, and all its threads."""
+class SectorFrameDims:
+    """What the frame of a drive with a drum sector has whatever its shape, mm: boss, input's seat, stop pin, mounts."""
 
     boss: BossDims
     corner_radius: float
     seat_radius: float
     seat_depth: float
     seat_shoulder_radius: float
-    encoder_screw_clearance: float
-    encoder_head_radius: float
-    encoder_head_depth: float
-    encoder_circle_radius: float
     stop_pin_radius: float
     stop_pin_z: float
-    flange_screw_radius: float
-    flange_insert: InsertSpec | None
-    flange_screws: Places  # in the plane of the motor head's flange, as the dowels
-    dowels: Places
+    dowels: Places  # in the plane of the flange or plate that they locate
     dowel_radius: float
     dowel_depth: float
     mounts: Places  # (x, z)
@@ -121,6 +114,19 @@ class HeadFrameDims:
     def encoder_screw_depth(self) -> float:
         """Depth of the threads for the drum encoder's screws."""
         return self.boss.screw_depth
+
+
+@dataclass(frozen=True, kw_only=True)
+class HeadFrameDims(SectorFrameDims):
+    """Adds what a frame with a motor head has: encoder shelf and the threads of the head's flange, mm."""
+
+    encoder_screw_clearance: float
+    encoder_head_radius: float
+    encoder_head_depth: float
+    encoder_circle_radius: float
+    flange_screw_radius: float
+    flange_insert: InsertSpec | None
+    flange_screws: Places  # in the plane of the motor head's flange
 
 
 def flange_screw(drive: SectorDrive) -> Screw:

@@ -12,7 +12,7 @@ import numpy as np
 
 from mbcdm_cad.checks import geometry
 from mbcdm_cad.checks.comparison import Findings, check
-from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.design_variables import Adjustment, down, downs, up, ups
 from mbcdm_cad.checks.size import box_checks, mass_estimate
 from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.design.paths import at
@@ -86,9 +86,7 @@ def ring_gap(ring: geometry.Ring, body: Upright, want: float) -> float:
     "clearances.running_mm; 0.1 mm between turning bodies: estimate",
     up(at.transmission.input_setback_mm),
     down(at.transmission.centre_distance_mm),
-    up(at.transmission.centre_distance_mm),
-    up("all radii of transmission"),
-    up(at.support.coupling_space_mm),
+    *ups(at.transmission.centre_distance_mm, "all radii of transmission", at.support.coupling_space_mm),
     down(at.support.coupling_space_mm),
     up(at.drum.rim_inner_radius_mm),
 )
@@ -105,8 +103,7 @@ def drum_sweep(s: BevelLayout) -> Findings:
     "Clamp collars turn freely",
     at.clearances.running_mm,
     up(at.transmission.centre_distance_mm),
-    down(at.support.back_plate_mm),
-    down(at.support.back_y_mm),
+    *downs(at.support.back_plate_mm, at.support.back_y_mm),
 )
 def collar_space(s: BevelLayout) -> Findings:
     """Gap from the clamp collars to web, side walls, back plate and the mounting screws' heads, or to their boxes."""
@@ -139,8 +136,7 @@ def _free(s: BevelLayout) -> list[tuple[float, np.ndarray]]:
     "Free spans clear the terminals",
     "derived; 0.1 mm: estimate",
     down(at.travel.half_angle_deg),
-    up(at.drum.sector_half_angle_deg),
-    up("all radii of transmission"),
+    *ups(at.drum.sector_half_angle_deg, "all radii of transmission"),
 )
 def spans_clear(s: BevelLayout) -> Findings:
     """Gap from free spans and cables on the guide to the terminals, drum centred and at both ends of travel."""
@@ -162,10 +158,8 @@ SWEEPS = (
     collar_space,
     geometry.cables_apart.but(
         adjust=(
-            up(at.transmission.centre_distance_mm),
-            up("all radii of transmission"),
-            down(at.travel.half_angle_deg),
-            down("rope diameter_mm"),
+            *ups(at.transmission.centre_distance_mm, "all radii of transmission"),
+            *downs(at.travel.half_angle_deg, "rope diameter_mm"),
         )
     ),
     spans_clear,

@@ -9,7 +9,7 @@ from math import ceil, cos, hypot, radians, sin, sqrt, tan, tau
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check, noted, worst
-from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.checks.design_variables import down, downs, up, ups
 from mbcdm_cad.checks.geometry import CABLE_GAP_MM
 from mbcdm_cad.checks.input_pulley import dead_turns
 from mbcdm_cad.checks.run import rounded
@@ -37,8 +37,7 @@ _SHORTER_WALK = (up(at.transmission.centre_distance_mm), down(at.rope.helix_lead
     "Centre distance leaves a free span",
     "paper Eq. (11)",
     up(at.transmission.centre_distance_mm),
-    down("all radii of transmission"),
-    down("rope diameter_mm"),
+    *downs("all radii of transmission", "rope diameter_mm"),
 )
 def centre_distance(s: BevelLayout) -> Findings:
     """L is larger than r_g + r_m, so that a straight span exists, with room for the curved transitions at both ends."""
@@ -141,8 +140,7 @@ def _slant(fall_mm: float, slope: float, radius_mm: float, cosine: float) -> flo
 @check(
     "Free span clears its own last turn",
     "derived: straight span, no credit for the rope's stiffness",
-    up(at.rope.helix_lead_mm),
-    up(at.transmission.centre_distance_mm),
+    *ups(at.rope.helix_lead_mm, at.transmission.centre_distance_mm),
     down(at.travel.half_angle_deg),
 )
 def self_clearance(s: BevelLayout) -> Findings:

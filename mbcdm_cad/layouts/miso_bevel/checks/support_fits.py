@@ -3,7 +3,7 @@
 from math import hypot
 
 from mbcdm_cad.checks.comparison import Findings, at_most, check
-from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.checks.design_variables import down, downs, up, ups
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, corner_gap
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
@@ -23,10 +23,8 @@ SCREWS_DRAWN = 2
 @check(
     "Screws engage over their diameter",
     "usual rule: one diameter",
-    down(at.support.motor_shelf_mm),
-    down(at.support.top_plate_mm),
-    up(at.support.top_plate_mm),
-    up(at.drum.hub_diameter_mm),
+    *downs(at.support.motor_shelf_mm, at.support.top_plate_mm),
+    *ups(at.support.top_plate_mm, at.drum.hub_diameter_mm),
     advice="choose a drive.gearhead or drive.encoder with longer screws",
 )
 def engagement(s: BevelLayout) -> Findings:
@@ -93,8 +91,7 @@ def key_access(s: BevelLayout) -> Findings:
 @check(
     "Gearhead screws' heads on flat floor",
     "derived; 0.02 mm: estimate",
-    up(at.support.back_plate_mm),
-    up("all radii of transmission"),
+    *ups(at.support.back_plate_mm, "all radii of transmission"),
 )
 def head_seats(s: BevelLayout) -> Findings:
     """The heads of the gearhead's screws rest on the flat floor of the pocket, not on its rounded corner."""
@@ -149,8 +146,7 @@ def pulley_corner(s: BevelLayout) -> Findings:
 @check(
     "Input pulleys clear the back plate",
     at.clearances.running_mm,
-    down(at.support.back_plate_mm),
-    down(at.support.back_y_mm),
+    *downs(at.support.back_plate_mm, at.support.back_y_mm),
 )
 def pocket_depth(s: BevelLayout) -> Findings:
     """Gap between the input pulleys with their cables and the back plate."""
@@ -231,8 +227,7 @@ def in_pocket(s: BevelLayout, name: str, reach: float) -> Findings:
 @check(
     "Plate screws can be reached",
     at.clearances.running_mm,
-    up(at.support.side_wall_mm),
-    up(at.transmission.centre_distance_mm),
+    *ups(at.support.side_wall_mm, at.transmission.centre_distance_mm),
 )
 def screwdriver(s: BevelLayout) -> Findings:
     """Gap between the screwdriver on the plate screws and the encoders or motors on top of the plate."""

@@ -1,7 +1,7 @@
 """Frame and top plate: walls that can be made, and enough metal round and between all holes."""
 
 from mbcdm_cad.checks.comparison import Findings, check
-from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.checks.design_variables import down, up, ups
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, inside_rounded_rectangle, web_between
 from mbcdm_cad.checks.motor_head import encoder_threads
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
@@ -156,9 +156,7 @@ def _box_webs(s: BevelLayout) -> Findings:
 @check(
     "Metal between the holes of plate and shelf",
     _WEB,
-    up("support.side_wall_mm"),
-    up("transmission.centre_distance_mm"),
-    up("support.top_plate_mm"),
+    *ups("support.side_wall_mm", "transmission.centre_distance_mm", "support.top_plate_mm"),
     down("support.back_y_mm"),
 )
 def hole_webs(s: BevelLayout) -> Findings:

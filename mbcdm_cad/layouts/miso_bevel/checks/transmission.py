@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.checks import bearings
 from mbcdm_cad.checks.comparison import Comparison, Findings, at_most, check, noted
-from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.checks.design_variables import down, downs, up, ups
 from mbcdm_cad.checks.fixings import STRESS_SAFETY, bent_axle_Nmm, round_shaft_MPa
 from mbcdm_cad.checks.ratios import RATIO_TOLERANCE, anchor_bend, bending_checks, pair_mismatch, spread, surface_radius
 from mbcdm_cad.layouts.bevel_transfer import cut_at_pitch
@@ -161,8 +161,7 @@ BEARINGS = (
 @check(
     "Guide's wall round its bearings",
     "material: min_wall_mm",
-    up("transmission.guide_radii_mm"),
-    up("all radii of transmission"),
+    *ups("transmission.guide_radii_mm", "all radii of transmission"),
     advice="choose a smaller guide.bearing",
 )
 def guide_wall(s: BevelLayout) -> Findings:
@@ -193,8 +192,7 @@ def guide_length(s: BevelLayout) -> Findings:
 @check(
     "Guide axle's bending stress",
     "beam theory; 1.5 on yield: usual rule",
-    down("rope.preload_N"),
-    down("loads.peak_torque_Nm"),
+    *downs("rope.preload_N", "loads.peak_torque_Nm"),
     advice="choose a guide.bearing of larger bore",
     unit="times",
 )

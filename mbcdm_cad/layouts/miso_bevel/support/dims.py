@@ -30,10 +30,10 @@ from mbcdm_cad.layouts.miso_bevel.plate_screws import Edges, counterbore_radius_
 from mbcdm_cad.layouts.miso_bevel.pulleys import stop_pin_z
 from mbcdm_cad.layouts.miso_bevel.stack import Stack, milled_corner_mm
 from mbcdm_cad.parts.bodies import screw_places
-from mbcdm_cad.parts.boss import BossDims, boss, column_start_mm
+from mbcdm_cad.parts.boss import boss, column_start_mm
 from mbcdm_cad.parts.drum_sector.sizes import drum_shaft
 from mbcdm_cad.parts.fits import MOUNT_SCREWS
-from mbcdm_cad.parts.motor_head.dims import CouplingBox, coupling_box, key_hole_mm
+from mbcdm_cad.parts.motor_head.dims import CouplingBox, SectorFrameDims, coupling_box, key_hole_mm
 
 STOP_WEB_MM = 7.0
 AXLE_SCREW = "M2x3-set"
@@ -65,17 +65,15 @@ class EncoderHoles:
         return x - self.circle_radius, x + self.circle_radius
 
 
-@dataclass(frozen=True)
-class FrameDims:
+@dataclass(frozen=True, kw_only=True)
+class FrameDims(SectorFrameDims):
     """Frame dimensions (mm)."""
 
     levels: Stack
-    boss: BossDims
     rib_thickness: float
     web_half_width: float
     upper_floor_y: float  # floor of the upper pocket, deeper where the guide's cables need it
     column_pocket_bottom_z: float
-    corner_radius: float
     input_x: tuple[float, ...]
     input_y: float
     pilot_radius: float
@@ -83,23 +81,13 @@ class FrameDims:
     gear_bolt_circle: float
     gear_screw_count: int
     key_hole_radius: float
-    seat_radius: float
-    seat_depth: float
-    seat_shoulder_radius: float
     axle_radius: float
     axle_screw_radius: float
-    stop_pin_radius: float
-    stop_pin_z: float
     stop_pin_start_y: float
     plate_screw_radius: float
     plate_screw_depth: float
     plate_insert: InsertSpec | None
     plate_screws: tuple[tuple[float, float], ...]  # (x, y)
-    dowels: tuple[tuple[float, float], ...]  # (x, y)
-    dowel_radius: float
-    dowel_depth: float
-    mounts: tuple[tuple[float, float], ...]  # (x, z)
-    mount_radius: float
     mount_head_radius: float
     mount_head_height: float
     mount_seat_y: float  # heads are sunk in a thick back plate, out of the collars' way
@@ -133,11 +121,6 @@ class FrameDims:
     def column_start_z(self) -> float:
         """Lowest z of the column behind the boss: below it the encoder's pocket leaves less than a wall."""
         return column_start_mm(self.boss)
-
-    @property
-    def encoder_screw_depth(self) -> float:
-        """Depth of the threads for the drum encoder's screws."""
-        return self.boss.screw_depth
 
 
 @dataclass(frozen=True)

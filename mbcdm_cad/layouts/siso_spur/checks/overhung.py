@@ -4,7 +4,7 @@ import numpy as np
 
 from mbcdm_cad.checks.bearings import LESS, input_reactions
 from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check_for
-from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.checks.design_variables import down, downs, up, ups
 from mbcdm_cad.checks.fixings import FRICTION, SLIP_SAFETY, STRESS_SAFETY, round_shaft_MPa, set_screws_hold_Nmm
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, web_between
 from mbcdm_cad.checks.input_pulley import GRIP_DIAMETERS
@@ -82,8 +82,7 @@ def motor_shaft_sag(s: SpurLayout) -> Comparison:
 @_without_horn(
     "Set screws hold the pulley on the motor's shaft",
     "mu F r (2 + sqrt 2), screws at right angles; half of a cap screw's force: estimate",
-    down("loads.peak_torque_Nm"),
-    down("transmission.input_to_drum"),
+    *downs("loads.peak_torque_Nm", "transmission.input_to_drum"),
     advice=_SHAFT,
     unit="times",
 )
@@ -119,8 +118,7 @@ def hub_walls_of_pulley(s: SpurLayout) -> Findings:
 @_without_horn(
     "Motor's shaft reaches into the pulley",
     "one diameter: usual rule",
-    down("support.plate_mm"),
-    down("support.motor_shelf_mm"),
+    *downs("support.plate_mm", "support.motor_shelf_mm"),
     advice="choose a motor or gearhead with a longer shaft",
 )
 def motor_shaft_grip(s: SpurLayout) -> Findings:
@@ -136,8 +134,7 @@ def motor_shaft_grip(s: SpurLayout) -> Findings:
 @_on_horn(
     "Screws hold the pulley on the servo's horn",
     "mu F r; class 8.8 at 0.7 of yield, mu 0.15: usual values",
-    down("loads.peak_torque_Nm"),
-    down("transmission.input_to_drum"),
+    *downs("loads.peak_torque_Nm", "transmission.input_to_drum"),
     advice=_SMALLER,
 )
 def horn_screws(s: SpurLayout) -> Comparison:
@@ -219,8 +216,7 @@ def _servo_seat(s: SpurLayout, seat: MotorSeat, window: tuple[float, float, floa
 @_on_shaft(
     "Plate takes the motor's pilot and screws",
     "material: min_wall_mm",
-    up("support.plate_mm"),
-    up("transmission.centre_distance_mm"),
+    *ups("support.plate_mm", "transmission.centre_distance_mm"),
 )
 def motor_seat(s: SpurLayout) -> Findings:
     """The heads of the motor's screws are sunk in the plate, with metal under them and round all holes."""

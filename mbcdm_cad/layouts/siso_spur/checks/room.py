@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.checks.comparison import Comparison, Findings, at_most, check, check_for
-from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.design_variables import Adjustment, down, up, ups
 from mbcdm_cad.checks.fixings import STRESS_SAFETY
 from mbcdm_cad.checks.geometry import CABLE_GAP_MM, HOLE_WEB_MM, frame_front, rim_points, wrap_points
 from mbcdm_cad.checks.size import box_checks, mass_estimate
@@ -46,8 +46,7 @@ def drum_and_input(s: SpurLayout) -> Findings:
 @check(
     "Motor clears the drum's boss and encoder",
     at.clearances.running_mm,
-    up(at.transmission.centre_distance_mm),
-    up(at.support.coupling_space_mm),
+    *ups(at.transmission.centre_distance_mm, at.support.coupling_space_mm),
 )
 def bodies_behind(s: SpurLayout) -> Findings:
     """Gap between motor or gearhead and the parts of the drum behind the plate: boss and encoder."""
@@ -147,9 +146,7 @@ def hub_dowels(s: SpurLayout) -> Findings:
     )
 
 
-@_sectors_check(
-    "Walls round the dowels in the hub", "usual rule", up(at.drum.hub_diameter_mm), up(at.drum.hub_face_y_mm)
-)
+@_sectors_check("Walls round the dowels in the hub", "usual rule", *ups(at.drum.hub_diameter_mm, at.drum.hub_face_y_mm))
 def dowel_holes(s: SpurLayout) -> Findings:
     """Walls from the dowels' holes to bore, rim of the hub, payload's threads and set screws.
 

@@ -9,7 +9,7 @@ import numpy as np
 from mbcdm_cad.checks import fixings, motors, structure
 from mbcdm_cad.checks.bearings import stage_torque_Nm
 from mbcdm_cad.checks.comparison import Check, Comparison, Family, Findings, at_least, at_most, check, check_for, noted
-from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.checks.design_variables import down, downs, up
 from mbcdm_cad.checks.fixings import FRICTION, SLIP_SAFETY, STRESS_SAFETY, round_shaft_MPa, stalled_Nm
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, drum_zones
 from mbcdm_cad.checks.run import Budget, remedy, rounded
@@ -230,8 +230,7 @@ NOT_OF_A_FIRST = (
 @_end_check(
     "Drum's shaft carries the output torque",
     "material: yield_MPa",
-    down(at.drum.shaft_bore_mm),
-    down(at.loads.peak_torque_Nm),
+    *downs(at.drum.shaft_bore_mm, at.loads.peak_torque_Nm),
     advice="choose a drum.bearing of larger bore",
 )
 def shaft_end_stress(s: SpurLayout) -> Comparison:

@@ -5,7 +5,7 @@ from typing import Any
 
 from mbcdm_cad.checks.bearings import carried_check, input_reactions
 from mbcdm_cad.checks.comparison import Comparison, Findings, at_most, check, worst
-from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.design_variables import Adjustment, down, up, ups
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, web_between
 from mbcdm_cad.checks.motor_head import boss_walls, encoder_shelf
 from mbcdm_cad.design.bought import InsertSpec
@@ -32,10 +32,7 @@ _SHELVES: tuple[Adjustment, ...] = (up(at.support.bearing_shelf_mm), up(at.suppo
 @check(
     "Walls of frame and motor head are thick enough",
     _WALL,
-    up(at.support.plate_mm),
-    up(at.support.bridge_mm),
-    up(at.support.side_wall_mm),
-    up(at.support.motor_shelf_mm),
+    *ups(at.support.plate_mm, at.support.bridge_mm, at.support.side_wall_mm, at.support.motor_shelf_mm),
     *_SHELVES,
     up(at.transmission.centre_distance_mm),
 )
@@ -149,8 +146,7 @@ def flange(s: SpurLayout) -> Findings:
 @check(
     "Mounting threads have metal round them",
     "usual rule: one diameter",
-    up(at.support.plate_mm),
-    up(at.transmission.centre_distance_mm),
+    *ups(at.support.plate_mm, at.transmission.centre_distance_mm),
 )
 def mounts(s: SpurLayout) -> Findings:
     """Mounting threads are deep enough and clear of boss, motor head, stop pin and the edge of the plate."""
@@ -195,8 +191,7 @@ def _asked_of_yoke(drive: SpurDrive) -> bool:
 @check(
     "Input's bearings stay in line",
     "bearing makers: 2 to 10 minutes of arc, six times that in plastic: estimate; folded plates; long yokes only",
-    up(at.support.bridge_mm),
-    up(at.support.plate_mm),
+    *ups(at.support.bridge_mm, at.support.plate_mm),
     applies=_asked_of_yoke,
     warn=True,
 )

@@ -12,7 +12,7 @@ from math import asin, ceil, degrees, log, tau
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Comparison, Family, Findings, at_least, at_most, check, check_for, noted
-from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.design_variables import Adjustment, down, downs, up, ups
 from mbcdm_cad.checks.geometry import CABLE_GAP_MM, cables_apart
 from mbcdm_cad.checks.input_pulley import coupling_checks, dead_turns, stop_checks
 from mbcdm_cad.checks.ratios import SURFACE_TOLERANCE_MM, anchor_bend, bending_checks, surface_radius
@@ -43,15 +43,12 @@ def cut_at_pitch(s: SpurLayout) -> Findings:
 
 
 WIDER: tuple[Adjustment, ...] = (
-    down(at.transmission.input_to_drum),
-    down("rope diameter_mm"),
+    *downs(at.transmission.input_to_drum, "rope diameter_mm"),
     up("all radii of transmission"),
 )
 _RADII = (surface_radius, cut_at_pitch, *bending_checks(WIDER), anchor_bend.but(adjust=WIDER, applies=is_anchored))
 _STOPS = (
-    dead_turns.but(
-        adjust=(up(at.transmission.turns), down(at.transmission.input_to_drum), down(at.travel.half_angle_deg))
-    ),
+    dead_turns.but(adjust=(up(at.transmission.turns), *downs(at.transmission.input_to_drum, at.travel.half_angle_deg))),
     *stop_checks(WIDER),
 )
 PULLEY_FITS = (*(check.but(applies=is_anchored) for check in _STOPS), *coupling_checks(WIDER))
@@ -194,8 +191,7 @@ def input_walk(s: SpurLayout) -> Comparison:
 @_continuous_check(
     "Gap between both sides on the drum",
     "derived: N leads and the spans' slope; 0.1 mm: estimate",
-    up(at.transmission.turns),
-    up(at.transmission.centre_distance_mm),
+    *ups(at.transmission.turns, at.transmission.centre_distance_mm),
     down(at.travel.half_angle_deg),
 )
 def land_spacing(s: SpurLayout) -> Comparison:
