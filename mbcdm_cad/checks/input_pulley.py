@@ -129,7 +129,7 @@ def bought_depth(s: SectorLayout) -> Findings:
     ring_screw = drive.screw(drive.drum_encoder.screw)
     in_gear = gear_screw.length_mm - s.motor_shelf_mm + 1.0
     in_encoder = encoder_screw.length_mm - (s.encoder_plate_mm - encoder_screw.head_height_mm - 0.2) + 0.5
-    grip = ring_screw.length_mm - s.frame.encoder_screw_depth + 0.5
+    grip = ring_screw.length_mm - s.frame.boss.screw_depth + 0.5
     if drive.servo is None:
         yield f"{drive.mounted} behind its screws", drive.face_depth_mm - in_gear, FLOOR_MM
     if not drive.encoder.absent:

@@ -39,7 +39,7 @@ def engagement(s: HeadLayout) -> Findings:
             ("encoder screw", encoder, encoder.length_mm - (drive.support.encoder_shelf_mm - f.encoder_head_depth))
             for _ in range(not drive.encoder.absent)
         ),
-        *(("drum encoder's screw", ring, f.encoder_screw_depth - 0.5) for _ in range(not drive.drum_encoder.absent)),
+        *(("drum encoder's screw", ring, f.boss.screw_depth - 0.5) for _ in range(not drive.drum_encoder.absent)),
         ("hub's set screw", hub, min(hub.length_mm, s.drum.hub_radius - s.drum.set_screw_radius)),
         *(_in_collar(s) for _ in range(not drive.overhung)),
     )

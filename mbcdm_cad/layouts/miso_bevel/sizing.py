@@ -13,19 +13,9 @@ from mbcdm_cad.design.bought import NO_GEARHEAD
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Freedom, SizingError
-from mbcdm_cad.layouts import common_rules, head_dims
+from mbcdm_cad.layouts import common_rules, head_basis, head_dims
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.bevel_sizing import RADII, TransferKnown, land_edge, outer_face, transfer_gap
-from mbcdm_cad.layouts.head_basis import (
-    LIMITS,
-    METALS,
-    PRELOAD_FACTOR,
-    ROPE_LIMITS,
-    TRAIN,
-    counts_losses,
-    rope,
-    taut_preload,
-)
 from mbcdm_cad.layouts.head_parts import PARTS, by_mass
 from mbcdm_cad.layouts.miso_bevel.checks.spans import straight_span_distance_mm
 from mbcdm_cad.layouts.miso_bevel.design_file.resolve import MOST_SETBACK
@@ -199,7 +189,7 @@ class BevelKnown(TransferKnown):
 
     def with_tolerances(self, check: str) -> tuple[str, ...]:
         """A check of stacked tolerances; none for files that reckon as the paper does, which keep its lead."""
-        return (check,) if counts_losses(self) else ()
+        return (check,) if head_basis.counts_losses(self) else ()
 
     def walk_mm(self, lead_mm: float) -> float:
         """How far a cable walks along its input pulley from the centred drum to the end of travel."""
@@ -215,7 +205,10 @@ def _rope(given: BevelKnown) -> Found:
 
     The cable that bears most has more than its share of the peak torque.
     """
-    tension_N, share = (PRELOAD_FACTOR + MOST_UNEVEN) * given.half_torque_N, common_rules.end_share(given, SWAGED_SHARE)
+    tension_N, share = (
+        (head_basis.PRELOAD_FACTOR + MOST_UNEVEN) * given.half_torque_N,
+        common_rules.end_share(given, SWAGED_SHARE),
+    )
     needed_N, ropes = given[at.limits.tension_safety_factor] * tension_N / share, common_rules.ropes_to_choose(given)
     strong = next((one for one in ropes if one[2] >= needed_N), ropes[-1])
     most_mm = 2.0 * given.drum_mm / given.ratio / given.get(at.limits.bend_ratio_min, common_rules.LEAST_WIRE_RATIO)
@@ -227,7 +220,7 @@ def _rope(given: BevelKnown) -> Found:
 
 @rule(at.rope.preload_N, "twice what keeps the cables taut at peak torque, less where the ends hold less", "no_slack")
 def preload(given: BevelKnown) -> Found:
-    usual = taut_preload(given)
+    usual = head_basis.taut_preload(given)
     less = [float(f"{usual.value * share:.2g}") for share in PRELOAD_SHARES]
     found = given.first(at.rope.preload_N, [usual.value, *less], ("cable_ends", "tension"))
     return usual if found.value == usual.value else found
@@ -524,7 +517,17 @@ DRUM = (
     outer_face,
 )
 RULES: tuple[Rule, ...] = (
-    *(common_rules.half_travel, *NAMES, *LIMITS, *OWN, *METALS, rope(_rope), *ROPE_LIMITS, preload, *TRAIN),
+    *(
+        common_rules.half_travel,
+        *NAMES,
+        *head_basis.LIMITS,
+        *OWN,
+        *head_basis.METALS,
+        head_basis.rope(_rope),
+        *head_basis.ROPE_LIMITS,
+        preload,
+        *head_basis.TRAIN,
+    ),
     *(*RADII_RULES, motor_side, setback, centre_distance, drum_bearing, *PARTS[1:], guide_bearing),
     *(*FRAME, head_dims.mount_screw(MOUNT_SCREWS), *DRUM, back, turn, hub_face),
 )

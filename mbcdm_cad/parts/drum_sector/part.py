@@ -9,18 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mbcdm_cad.parts import milled
 from mbcdm_cad.parts.drum_sector.dims import CHAMFER_MM, POCKET_LEAD_MM, SET_SCREW_ANGLES_DEG, DrumDims
-from mbcdm_cad.parts.milled import (
-    cut,
-    cylinder,
-    cylinder_y,
-    extruded_y,
-    fuse,
-    prism_y,
-    ring_y,
-    sector_outline,
-    turned_about_y,
-)
 from mbcdm_cad.parts.part import CORNER, Gyration, MadePart, ring_mm3
 from mbcdm_cad.parts.terminal import Tensioner
 
@@ -88,11 +78,11 @@ def _sector(dims: DrumDims) -> cq.Solid:
         profile += [(land.surface_radius_mm, land.y_start), (land.surface_radius_mm, land.y_end)]
     profile.append((dims.rim_inner_radius, lands[-1].y_end))
     half = dims.half_angle_deg
-    rim = turned_about_y(profile, -half, 2 * half, "drum rim")
+    rim = milled.turned_about_y(profile, -half, 2 * half, "drum rim")
     y = dims.web_start_y
     # The web is drawn with its openings: to cut them out of the drum takes the kernel a quarter of all its time for it.
     openings = [
-        sector_outline(w.r_inner, w.r_outer, w.start_deg, w.end_deg, y, dims.corner_radius) for w in dims.windows
+        milled.sector_outline(w.r_inner, w.r_outer, w.start_deg, w.end_deg, y, dims.corner_radius) for w in dims.windows
     ]
     if dims.has_slot:
         openings.append(_stop_slot(dims, y))
@@ -100,8 +90,8 @@ def _sector(dims: DrumDims) -> cq.Solid:
     def flat(outer: float, end: float, holes: Sequence[cq.Wire] = ()) -> cq.Solid:
         inner = dims.hub_radius - 1.0
         if dims.whole:
-            return ring_y(inner, outer, y, end - y, holes)
-        return extruded_y(sector_outline(inner, outer, -half, half, y), end - y, holes)
+            return milled.ring_y(inner, outer, y, end - y, holes)
+        return milled.extruded_y(milled.sector_outline(inner, outer, -half, half, y), end - y, holes)
 
     bodies = [rim, flat(dims.rim_inner_radius + 1.0, dims.web_end_y, openings)]
     if dims.root_mm > 0.0:
@@ -115,8 +105,8 @@ def _sector(dims: DrumDims) -> cq.Solid:
         (dims.hub_radius - CHAMFER_MM, dims.hub_face_y),
         (dims.bore_radius, dims.hub_face_y),
     ]
-    hub = turned_about_y(hub_profile, 0.0, 360.0, "drum hub")
-    return fuse([*bodies, hub], "drum")
+    hub = milled.turned_about_y(hub_profile, 0.0, 360.0, "drum hub")
+    return milled.fuse([*bodies, hub], "drum")
 
 
 def _box(
@@ -124,7 +114,7 @@ def _box(
 ) -> cq.Solid:
     """Between limits along the terminal and across it; with ``radius`` the corners an end mill along Y leaves."""
     corners = [t.at(s[0], n[0]), t.at(s[1], n[0]), t.at(s[1], n[1]), t.at(s[0], n[1])]
-    return prism_y(corners, *y, radius)
+    return milled.prism_y(corners, *y, radius)
 
 
 def _pocket(dims: DrumDims, t: Tensioner) -> cq.Solid:
@@ -147,7 +137,7 @@ def _pocket(dims: DrumDims, t: Tensioner) -> cq.Solid:
         _box(t, (t.lug_start - r, t.lug_end + r), (dims.lug_half_width, top), depth(swage)),
     ]
     # One tool, because the kernel fails with tools that touch each other in one boolean.
-    return fuse(rooms, f"pocket of {t.cable_name}")
+    return milled.fuse(rooms, f"pocket of {t.cable_name}")
 
 
 def _lug_body(dims: DrumDims, t: Tensioner) -> cq.Solid:
@@ -210,14 +200,22 @@ def _stop_slot(dims: DrumDims, y: float) -> cq.Wire:
 def _hub_holes(dims: DrumDims, set_screw_thread: float) -> list[cq.Shape]:
     tools: list[cq.Shape] = []
     for x, z in dims.payload_places:
-        tools.append(cylinder_y(dims.payload_hole / 2, x, z, dims.hub_face_y - dims.payload_depth, dims.hub_face_y + 1))
+        tools.append(
+            milled.cylinder_y(dims.payload_hole / 2, x, z, dims.hub_face_y - dims.payload_depth, dims.hub_face_y + 1)
+        )
     if dims.dowels is not None:
         d, face, back = dims.dowels, dims.hub_face_y, dims.hub_start_y
-        tools += [cylinder_y(d.radius, x, z, face - d.face_depth, face + 1) for x, z in d.places(d.face_angles_deg)]
-        tools += [cylinder_y(d.radius, x, z, back - 1, back + d.back_depth) for x, z in d.places(d.back_angles_deg)]
+        tools += [
+            milled.cylinder_y(d.radius, x, z, face - d.face_depth, face + 1) for x, z in d.places(d.face_angles_deg)
+        ]
+        tools += [
+            milled.cylinder_y(d.radius, x, z, back - 1, back + d.back_depth) for x, z in d.places(d.back_angles_deg)
+        ]
     for deg in SET_SCREW_ANGLES_DEG:
         direction = (sin(radians(deg)), 0.0, cos(radians(deg)))
-        tools.append(cylinder(set_screw_thread / 2, (0.0, dims.set_screw_y, 0.0), direction, dims.hub_radius + 1.0))
+        tools.append(
+            milled.cylinder(set_screw_thread / 2, (0.0, dims.set_screw_y, 0.0), direction, dims.hub_radius + 1.0)
+        )
     return tools
 
 
@@ -238,7 +236,7 @@ class DrumSector(MadePart):
             body = body.fuse(*(_lug_body(dims, t) for t in dims.tensioners)).clean()
         tools += [_stud_slot(dims, t) for t in dims.tensioners]
         tools += _hub_holes(dims, set_screw_thread)
-        return cut(body, tools, "drum")
+        return milled.cut(body, tools, "drum")
 
     def _terms(self) -> list[_Term]:
         """Rim, web and hub less windows, slot and holes; pockets by a sum over a grid of the rim."""

@@ -110,11 +110,6 @@ class SectorFrameDims:
     mounts: Places  # (x, z)
     mount_radius: float
 
-    @property
-    def encoder_screw_depth(self) -> float:
-        """Depth of the threads for the drum encoder's screws."""
-        return self.boss.screw_depth
-
 
 @dataclass(frozen=True, kw_only=True)
 class HeadFrameDims(SectorFrameDims):
@@ -136,11 +131,8 @@ def flange_screw(drive: SectorDrive) -> Screw:
     sizes = [s for s in drive.screws if s.thread_mm == thread and s.head_height_mm > 0.0]
     needed = drive.support.bearing_shelf_mm + thread
     enough = [s for s in sizes if s.length_mm >= needed]
-    return min(enough, key=_length_mm) if enough else max(sizes, key=_length_mm)
-
-
-def _length_mm(screw: Screw) -> float:
-    return screw.length_mm
+    pick, of = (min, enough) if enough else (max, sizes)
+    return pick(of, key=lambda screw: screw.length_mm)
 
 
 def dowel_length_mm(drive: SectorDrive) -> float:

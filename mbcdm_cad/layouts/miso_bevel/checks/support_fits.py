@@ -38,7 +38,7 @@ def engagement(s: BevelLayout) -> Findings:
     engaged = (
         (f"{drive.mounted} screw", gear, gear.length_mm - support.motor_shelf_mm),
         ("encoder screw", encoder, encoder.length_mm - (drive.encoder_plate_mm - encoder.head_height_mm - 0.2)),
-        ("drum encoder's screw", ring, s.frame.encoder_screw_depth - 0.5),
+        ("drum encoder's screw", ring, s.frame.boss.screw_depth - 0.5),
         ("top plate's screw", plate, min(in_frame, insert.length_mm) if insert else in_frame),
         ("axle's set screw", axle, min(axle.length_mm, v.front_y - s.frame.axle_radius)),
         ("hub's set screw", hub, min(hub.length_mm, s.drum.hub_radius - s.drum.set_screw_radius)),
