@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from importlib.resources import files
 from pathlib import Path
@@ -17,7 +17,7 @@ from mbcdm_cad.layouts import preload
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.preload import NutTurn, PreloadRule
 from mbcdm_cad.model.si import ModelError
-from mbcdm_cad.report.table import ReportTable, TextReport, filled
+from mbcdm_cad.report.table import TextReport, rendered, terminal_lines
 
 if TYPE_CHECKING:
     from mbcdm_cad.model.preload_ramp import MeasuredPreloads, Ramp
@@ -119,12 +119,11 @@ class PreloadReport(TextReport):
         found = {
             f"expected-{r.input_name}.csv": _curve(r, m, ratio) for r, m in zip(self.ramps, self.at_motor, strict=True)
         }
-        knee = min(float(np.abs(r.knee_Nm).min()) for r in self.ramps)
         filled_in = {
             "DESIGN": self.layout.drive.name,
             "LARGEST_RAD": f"{max(float(np.abs(r.angle_rad).max()) for r in self.ramps):.5f}",
             "LARGEST_MOTOR_NM": f"{max(float(np.abs(r.torque_Nm).max()) for r in self.at_motor) / ratio:.4g}",
-            "KNEE_NM": f"{knee:.4g}",
+            "KNEE_NM": f"{self._least_knee_Nm:.4g}",
             "INPUTS": ", ".join(repr(r.input_name) for r in self.ramps),
         }
         for name in ("preload_ramp.c", "preload_ramp.py"):
@@ -136,74 +135,18 @@ class PreloadReport(TextReport):
 
     def text(self, width: int | None = None) -> str:
         """What ``mbcdm preload`` prints."""
-        return "\n".join(line for text in self._lines(width) for line in text)
-
-    def _lines(self, width: int | None) -> Iterator[list[str]]:
-        shares = preload_shown(asdict(self.rule))
-        assert shares is not None
-        yield filled(shares["sentence"], width)
-        yield ReportTable(shares["heads"], shares["rows"]).text(width, "  ")
-        yield filled(f"  {shares['words']}", width)
-        yield [""]
-        if not self.ramps:
-            yield filled(f"No ramps: {self.no_ramps}", width)
-            return
-        yield from self._procedure(width)
-        if self.measured:
-            yield from self._found(width)
-
-    def _procedure(self, width: int | None) -> Iterator[list[str]]:
-        yield ["Measuring the preloads on the built drive:"]
-        for step in (
-            "1. Unload the drum, hold it centred, and let each input hold its own angle: that is angle 0.",
-            "2. Turn the drum to its positive stop and hold one input's angle from there on as 0. Raise its angle "
-            "slowly until the torque's slope has fallen behind the knee, and back. Log angle and torque of the pulley.",
-            "3. The same at the negative stop with the angle falling. Then the other inputs, the first one free.",
-            "4. mbcdm preload DESIGN --log INPUT=LOG.csv, samples in the order of time, with the columns angle_rad and "
-            "torque_Nm, by a lever and a balance on the pulley's shaft, or motor_torque_Nm, the motor's current times "
-            "its torque constant. The way back tells the friction apart.",
-        ):
-            yield filled(f"  {step}", width)
-        names = self.layout.loads.si.cable_names
-        rows = []
-        for r in self.ramps:
-            for k in (1, 0):
-                j = names.index(r.slack_first[k])
-                sigma = float(r.sigma_N[r.cables.index(j)]) if j in r.cables else float("nan")
-                rows.append(
-                    (
-                        r.input_name,
-                        "rising" if k else "falling",
-                        f"{1e3 * r.knee_rad[k]:+.1f}",
-                        f"{r.knee_Nm[k]:+.3g}",
-                        r.slack_first[k],
-                        f"{sigma:.2g}",
-                    )
-                )
-        heads = ("input", "angle", "knee mrad", "torque N m", "goes slack", "sigma N")
-        yield ReportTable(heads, tuple(rows)).text(width, "  ")
-        least = min(float(np.abs(r.knee_Nm).min()) for r in self.ramps)
-        if self.motor_Nm < least:
-            yield filled(
-                f"  the motor's peak torque gives {self.motor_Nm:.3g} N m at the pulley, less than the knee: turn the "
-                "input's shaft with a lever and a balance",
-                width,
-            )
-
-    def _found(self, width: int | None) -> Iterator[list[str]]:
-        yield ["", "Found:"]
-        rows = tuple(
-            (t.cable, f"{t.measured_N:.4g}", f"{t.sigma_N:.2g}", f"{t.wanted_N:.4g}", f"{t.turns:+.2f}")
-            for t in self.turns
+        text = rendered(
+            "preload.txt.j2",
+            shares=preload_shown(asdict(self.rule)),
+            cables=self.layout.loads.si.cable_names,
+            least_Nm=self._least_knee_Nm,
+            **vars(self),
         )
-        yield ReportTable(("cable", "preload N", "sigma N", "wanted N", "turns of its nut"), rows).text(width, "  ")
-        for m in self.measured:
-            yield filled(
-                f"  rope {m.stiffness:.3g} times as stiff as in the design; friction of the wraps {m.friction:.3g} "
-                f"times, of rope and bearings at the input {m.rubbing:.3g} times, loss of the gearhead "
-                f"{m.gearhead:.3g} times",
-                width,
-            )
+        return "\n".join(terminal_lines(text, width))
+
+    @property
+    def _least_knee_Nm(self) -> float:
+        return min((float(np.abs(r.knee_Nm).min()) for r in self.ramps), default=0.0)
 
 
 def _curve(ramp: Ramp, at_motor: Ramp, ratio: float) -> bytes:
