@@ -157,10 +157,6 @@ class DesignFigure:
     of: Callable[[Facts], float]
 
 
-def _bend_ratio(f: Facts) -> float:
-    return 2.0 * min(radius for *_, radius in f.layout.bends_mm()) / f.drive.cable.diameter_mm
-
-
 FIGURES: dict[str, DesignFigure] = {
     "mass_g": DesignFigure("estimated mass of all parts", "g", lambda f: f.mass_g),
     "swing_mrad": DesignFigure(
@@ -210,7 +206,11 @@ FIGURES: dict[str, DesignFigure] = {
         "material in the made parts, no waste, no work", "EUR", lambda f: f.material_cost_EUR
     ),
     "cost_EUR": DesignFigure("material, and bought parts with an entry", "EUR", lambda f: f.cost_EUR),
-    "bend_ratio": DesignFigure("least D/d of all bends", "-", _bend_ratio),
+    "bend_ratio": DesignFigure(
+        "least D/d of all bends",
+        "-",
+        lambda f: 2.0 * min(radius for *_, radius in f.layout.bends_mm()) / f.drive.cable.diameter_mm,
+    ),
     "box_x_mm": DesignFigure("box along X, drum centred", "mm", lambda f: f.box_mm[0]),
     "box_z_mm": DesignFigure("box along Z, drum centred", "mm", lambda f: f.box_mm[1]),
     "box_y_mm": DesignFigure("box along Y, drum centred", "mm", lambda f: f.box_mm[2]),

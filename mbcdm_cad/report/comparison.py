@@ -286,7 +286,7 @@ def varied_columns(ranges: Mapping[str, Any], *, grid: bool) -> dict[str, Values
     """
     names = [name.replace("__", ".") for name in ranges]
     arrays = [np.atleast_1d(np.asarray(values)) for values in ranges.values()]
-    columns = _combined(arrays) if grid else _paired(names, arrays)
+    columns = [mesh.ravel() for mesh in np.meshgrid(*arrays, indexing="ij")] if grid else _paired(names, arrays)
     if not columns or not len(columns[0]):
         raise MbcdmError("no designs to analyse; give at least one field with at least one value")
     return dict(zip(names, columns, strict=True))
@@ -301,10 +301,6 @@ def _paired(names: Sequence[str], arrays: Sequence[Values]) -> list[Values]:
                 "many as the longest, or grid=True for all combinations"
             )
     return [np.broadcast_to(array, (n,)) for array in arrays]
-
-
-def _combined(arrays: Sequence[Values]) -> list[Values]:
-    return [mesh.ravel() for mesh in np.meshgrid(*arrays, indexing="ij")] if arrays else []
 
 
 @dataclass(frozen=True, eq=False)

@@ -89,7 +89,9 @@ class Load(ExperimentBlock):
             return brake(drum_rad, level, self.flank_mrad * 1e-3) + self.bias_Nm
         if self.kind == "torque_motor":
             phase = 2.0 * pi * time_s / self.wave_period_s
-            wave = {"steady": np.ones_like(phase), "sine": np.sin(phase), "square": _square(phase)}[self.wave]
+            # The flanks of the square wave take a few percent of its period, as those of a torque motor.
+            sine = np.sin(phase)
+            wave = {"steady": np.ones_like(phase), "sine": sine, "square": np.tanh(20.0 * sine)}[self.wave]
             return np.asarray(level * wave + self.bias_Nm)
         if self.kind == "inertia_plate":
             step = time_s[1] - time_s[0]
@@ -97,11 +99,6 @@ class Load(ExperimentBlock):
             weight = self.unbalance_Nm * np.sin(drum_rad + self.unbalance_angle_deg * pi / 180.0)
             return np.asarray(self.inertia_kg_m2 * acceleration + weight + self.bias_Nm)
         return np.full(time_s.size, self.bias_Nm)
-
-
-def _square(phase: Floats) -> Floats:
-    """A square wave whose flanks take a few percent of its period, as those of a torque motor."""
-    return np.asarray(np.tanh(20.0 * np.sin(phase)))
 
 
 @compiled

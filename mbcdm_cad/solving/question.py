@@ -117,7 +117,8 @@ class Question:
                 yield freedom
 
     def _below_out(self, field: str, point: Point) -> bool:
-        return any(isinstance(point.get(outer), Out) for outer in _outer(field))
+        parts = field.split(".")
+        return any(isinstance(point.get(".".join(parts[:k])), Out) for k in range(1, len(parts)))
 
     def trial(self, point: Point, *, open_ranges: bool = False) -> tuple[dict[str, Any], dict[str, Any]]:
         """(data, functions that change the values of rules, by field) of a point.
@@ -230,12 +231,6 @@ def stated(data: Mapping[str, Any], moved: Mapping[str, Any], found: Resolved) -
         if field in sized:
             put(whole, field, sized[field])
     return whole
-
-
-def _outer(field: str) -> Iterator[str]:
-    parts = field.split(".")
-    for k in range(1, len(parts)):
-        yield ".".join(parts[:k])
 
 
 def _listed(value: Any) -> Any:

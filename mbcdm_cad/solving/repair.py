@@ -134,15 +134,13 @@ class _Moves:
     def __iter__(self) -> Iterator[tuple[str, Setting]]:
         seen = set[tuple[str, Setting]]()
         along = (move for field in sorted(self.question.unruled) for s in (1, -1) for move in self._within(field, s))
-        for move in chain(self._out(), self._asked_for(), self._sizes(), along, self._free()):
+        # Removal of one pin of the file; from a complete file :func:`solve` removes them all before.
+        pins = () if self.question.complete else self.question.releases
+        out = ((field, Out()) for field in pins if field not in self.point)
+        for move in chain(out, self._asked_for(), self._sizes(), along, self._free()):
             if move not in seen and self.point.get(move[0]) != move[1]:
                 seen.add(move)
                 yield move
-
-    def _out(self) -> Iterator[tuple[str, Setting]]:
-        """Removal of one pin of the file; from a complete file :func:`solve` removes them all before."""
-        if not self.question.complete:
-            yield from ((field, Out()) for field in self.question.releases if field not in self.point)
 
     def _asked_for(self) -> Iterator[tuple[str, Setting]]:
         """Changes that the remedies of the checks with the largest misses name, in their direction."""
