@@ -23,8 +23,14 @@ from mbcdm_cad.model.figures import Analysis
 from mbcdm_cad.model.tolerance import stack_data
 from mbcdm_cad.parts.bill import CABLE, Bill, Item
 from mbcdm_cad.parts.part import BoughtPart, StandardPart
-from mbcdm_cad.report.analysis_report import above_gearhead, motor_lines, path_data, subject_or_reason
-from mbcdm_cad.report.duty import duty_shown, life_shown
+from mbcdm_cad.report.analysis_report import (
+    above_gearhead,
+    duty_shown,
+    life_shown,
+    motor_lines,
+    path_data,
+    subject_or_reason,
+)
 from mbcdm_cad.report.losses import losses_shown, stage_figures
 from mbcdm_cad.report.preload import preload_shown
 from mbcdm_cad.report.table import speed_shown

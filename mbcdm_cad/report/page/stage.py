@@ -22,10 +22,9 @@ from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.sensitivity import elasticities, figure_5
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.tolerance import Tolerances, ToleranceStack, tolerance_stack
-from mbcdm_cad.report.analysis_report import capability, path_data_or_reason
+from mbcdm_cad.report.analysis_report import capability, duty_shown, life_shown, path_data_or_reason
 from mbcdm_cad.report.comparison import ComparedDesign, comparison_table, torque_notes
 from mbcdm_cad.report.dependencies import dependency_graph, dependency_svg
-from mbcdm_cad.report.duty import duty_shown, life_shown
 from mbcdm_cad.report.losses import losses_shown
 from mbcdm_cad.report.page import template
 from mbcdm_cad.report.page.scene import Lines, Scene, cable_lines, design_scene

@@ -17,7 +17,7 @@ from mbcdm_cad.layouts.loader import design_file, layout_of, load_design, load_t
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.bulk import preload_table
 from mbcdm_cad.model.rope_zones import Level, rope_life
-from mbcdm_cad.report.duty import life_data, life_shown
+from mbcdm_cad.report.analysis_report import life_data, life_shown
 from tests.support.checked import result, results, short_file
 from tests.support.reference import PARAMS
 
