@@ -10,15 +10,14 @@ that were named and depend on these are subtracted from the data first, and list
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.loop.prepare.prepared import held_out
+from mbcdm_cad.loop.prepare.prepared import held_out, played
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.storage.compiled import compiled
 
 ANGLES, LOADS = 65, 9
 # Angles, as shares of the travel, over which the direction may change after a reversal; the best one is taken.
@@ -80,20 +79,12 @@ def _place(points: Floats, at: Floats) -> tuple[NDArray[np.int64], Floats, NDArr
     return index, place - index, beyond
 
 
-@compiled
-def _directions(angle: Floats, reversal: float, out: Floats) -> None:
-    now = 0.0
-    for k in range(1, angle.size):
-        now = min(max(now + 2.0 * (angle[k] - angle[k - 1]) / reversal, -1.0), 1.0)
-        out[k] = now
-    out[0] = out[1] if angle.size > 1 else 0.0
-
-
 def directions(angle_rad: Floats, reversal_rad: float) -> Floats:
     """Direction at each sample, -1 to 1: it follows the angle, 2 over ``reversal_rad``, and stays at its ends."""
-    out = np.empty(angle_rad.size)
-    _directions(np.ascontiguousarray(angle_rad), reversal_rad, out)
-    return out
+    half = 0.5 * reversal_rad
+    out = (angle_rad - played(angle_rad, half)) / half
+    out[0] = out[min(1, out.size - 1)]
+    return np.asarray(out)
 
 
 def correction_of(fitter: Fitter, fit: Fit, noise_rad: float) -> Correction:
@@ -113,47 +104,21 @@ def correction_of(fitter: Fitter, fit: Fit, noise_rad: float) -> Correction:
     words = "as measured" if spans else "that of the run, not known"
     if measured and not spans:
         words = f"{loads.mean():.4g} N m throughout"
-    best: tuple[float, float, Floats] | None = None
     run = np.concatenate([np.full(p.time_s.size, k) for k, p in enumerate(fitter.runs)])
+    fits = []
     for share in REVERSALS:
         reversal = share * float(np.ptp(angles))
         sense = np.concatenate([directions(one, reversal) for one in angle])
         table, square = _fitted(grid, load_grid, (angles, sense, loads), errors, run, fitter)
-        if best is None or square < best[0]:
-            best = square, reversal, table
-    assert best is not None
-    _, reversal, table = best
-    found = Correction(
-        grid,
-        load_grid,
-        table,
-        reversal,
-        float(fitter.ratio),
-        words,
-        tuple(left_out),
-        0.0,
-        0.0,
-        noise_rad,
-        held_out(fitter.runs),
-    )
-    sense = np.concatenate([directions(one, reversal) for one in angle])
+        fits.append((square, reversal, table, sense))
+    _, reversal, table, sense = min(fits, key=lambda one: one[0])
+    before, noted = _held_rms(fitter, errors), (float(fitter.ratio), words, tuple(left_out))
+    found = Correction(grid, load_grid, table, reversal, *noted, before, before, noise_rad, held_out(fitter.runs))
     told = found.at(angles, sense, loads)[0]
     # The table's own zero: the middle of the travel, without load, between the two directions.
     idle = np.clip(np.zeros(1), load_grid[0], load_grid[-1])
     zero = found.at(grid[ANGLES // 2 : ANGLES // 2 + 1], np.zeros(1), idle)[0]
-    return Correction(
-        grid,
-        load_grid,
-        table - float(zero[0]),
-        reversal,
-        float(fitter.ratio),
-        words,
-        tuple(left_out),
-        _held_rms(fitter, errors),
-        _held_rms(fitter, errors - told),
-        noise_rad,
-        found.held_out,
-    )
+    return replace(found, value_rad=table - float(zero[0]), after_rad=_held_rms(fitter, errors - told))
 
 
 def _without_the_passing(fitter: Fitter, fit: Fit) -> tuple[Floats, list[str]]:

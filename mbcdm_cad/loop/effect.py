@@ -157,6 +157,21 @@ def elapsed_s(setup: Setup) -> Floats:
     return np.asarray(setup.p.time_s - setup.p.time_s[0])
 
 
+def best_step(at: Floats, residual: Floats, shape: Floats | None = None) -> float:
+    """Place along ``at``, which ascends, from which a shape (n,), or 1, explains the residual best, beside a constant
+    and the shape throughout; not at its ends."""
+    one = np.ones_like(at)
+    shape, known = (one, [one]) if shape is None else (shape, [one, shape])
+    basis = np.linalg.qr(np.column_stack(known))[0]
+    # Sums from each sample to the end.
+    rows = np.column_stack([shape * (residual - basis @ (basis.T @ residual)), shape**2, basis * shape[:, None]])
+    along, square, *others = np.cumsum(rows[::-1], axis=0)[::-1].T
+    left = square - np.sum(np.square(others), axis=0)
+    edge = max(1, at.size // 25)
+    inside = slice(edge, -edge)
+    return float(at[inside][int(np.argmax(along[inside] ** 2 / np.maximum(left[inside], 1e-9 * square[0])))])
+
+
 def wave(values: Floats, angle_rad: Floats) -> tuple[Floats, Floats]:
     """(x, y) of a point at ``values`` in the turning frame, from where it stands at angle zero; same unit as values."""
     c, s = np.cos(angle_rad) - 1.0, np.sin(angle_rad)

@@ -28,7 +28,21 @@ LEAST_ODDS = 20.0
 # Fields of the result file's first form; the file lists the others as new.
 FIRST_FIELDS = ("verdict", "effects", "one_of", "unknown", "error")
 
-VERDICTS = ("none", "explained", "partly_explained", "unknown", "not_testable")
+# Verdicts, and how a person reads them.
+VERDICTS = {
+    "none": "Nothing is missing",
+    "explained": "Explained",
+    "partly_explained": "Partly explained",
+    "unknown": "Unknown",
+    "not_testable": "Not testable",
+}
+
+
+def verdict_of(found: Sequence[object], left: object | None, testable: bool = True) -> str:
+    """The verdict on what was found and what is left; ``testable``: whether what was not found would have been seen."""
+    if left is not None:
+        return "partly_explained" if found else "unknown"
+    return "explained" if found else "none" if testable else "not_testable"
 
 
 @dataclass(frozen=True)
@@ -166,7 +180,7 @@ class Helpful:
 
 
 @dataclass(frozen=True)
-class Evidence:
+class CandidateRow:
     """One line of the table of candidates: its label, the held-out RMS with it, the fall, and the decision."""
 
     label: str
@@ -314,8 +328,8 @@ class LoopResult:
     one_of: tuple[tuple[Named, ...], ...]
     unknown: Unknown | None
     errors: Errors
-    evidence: tuple[Evidence, ...]
-    small: tuple[Evidence, ...]
+    evidence: tuple[CandidateRow, ...]
+    small: tuple[CandidateRow, ...]
     not_testable: tuple[str, ...]
     next_steps: tuple[str, ...]
     chain_orders: dict[str, float]
@@ -391,13 +405,18 @@ class LoopResult:
 
 
 def result_text(result: LoopResult, doubts: Sequence[str] = ()) -> str:
-    """The finding in one sentence, doubts of the runs right below, what to do next, the errors, then the tables.
+    """The finding in one sentence, the verdict and doubts right below, what to do next, the errors, then the tables.
 
     Angles are in the unit that suits the error of the declared model.
     """
     e = result.errors
     size, unit = size_of("_rad", [e.before.value])
-    lines = [result.sentence, *doubts, *(f"doubt: {words}" for words in result.doubts)]
+    lines = [
+        result.sentence,
+        f"verdict: {VERDICTS[result.verdict]}",
+        *doubts,
+        *(f"doubt: {words}" for words in result.doubts),
+    ]
     for group in (*((one,) for one in result.effects), *result.one_of):
         odds = [f"{one.words} {probability_text(one.probability)}" for one in group if one.probability is not None]
         lines += [f"probability: {', '.join(odds)}"] if odds else []

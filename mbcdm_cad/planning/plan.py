@@ -27,8 +27,8 @@ from mbcdm_cad.loop.prepare.prepared import prepare
 from mbcdm_cad.loop.readable import readable
 from mbcdm_cad.loop.result import Named, Noise
 from mbcdm_cad.loop.search.account import stated
-from mbcdm_cad.loop.search.by_evidence import CREDIBLE, LOG_SHAPE, Posterior, spread_of
-from mbcdm_cad.loop.search.evidence import FREEDOM, LEAST_FALL, LOG_ODDS, NoiseModel, Whitened
+from mbcdm_cad.loop.search.by_evidence import Posterior, spread_of
+from mbcdm_cad.loop.search.evidence import CREDIBLE, FREEDOM, LEAST_FALL, LOG_ODDS, NoiseModel, Whitened
 from mbcdm_cad.loop.search.few import PLAY, FewReadings, prepared_by_hand
 from mbcdm_cad.loop.search.fit import DIFFERENCE, FitRows, Fitter
 from mbcdm_cad.loop.search.response import ResponseLoop
@@ -432,7 +432,7 @@ class PlannedMotion:
             np.stack(columns, axis=1),
             np.stack(places, axis=1) if places else empty,
             np.array(spreads),
-            LOG_SHAPE * effect.last,
+            LOG_ODDS * effect.last,
         )
 
     def found(self, named: Named) -> Shown | None:

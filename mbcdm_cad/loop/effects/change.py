@@ -10,7 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from mbcdm_cad.loop.effect import Effect, Figure, Parameter, elapsed_s
+from mbcdm_cad.loop.effect import Effect, Figure, Parameter, best_step, elapsed_s
 from mbcdm_cad.loop.effects import cable_state, friction, lash, ratio_error, stiffness_error
 from mbcdm_cad.loop.effects.slip_step import step
 from mbcdm_cad.loop.prepare.prepared import Prepared
@@ -78,8 +78,7 @@ class _Times:
         used = np.flatnonzero(setup.p.used)
         if shape is None or not used.size or not np.ptp(shape[used]):
             return []
-        at = time_of_change(elapsed_s(setup)[used], shape[used], residual[used])
-        return [[0.0, at]]
+        return [[0.0, best_step(elapsed_s(setup)[used], residual[used], shape[used])]]
 
     def _shape(self, setup: Setup) -> Floats | None:
         """What the whole run does under a small size of the effect, rad (n,); None if it cannot be simulated."""
@@ -142,39 +141,3 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     files = (stiffness_error, cable_state, friction, ratio_error, lash)
     bases = [effect for file in files for effect in file.offer(d, p) if effect.form in CHANGEABLE]
     return [effect for base in bases for effect in changed(base, duration)]
-
-
-# Times that are tried, first over the whole run without its ends, then around the best.
-COARSE_TIMES, FINE_TIMES, EDGE_SHARE = 60, 60, 0.04
-
-
-def time_of_change(time_s: Floats, shape: Floats, residual: Floats) -> float:
-    """The time after which ``shape`` (n,) explains the residual best, beside a constant and ``shape`` throughout."""
-    low, high = (float(np.quantile(time_s, q)) for q in (EDGE_SHARE, 1.0 - EDGE_SHARE))
-    apart = (high - low) / COARSE_TIMES
-    size = float(np.std(shape)) or 1.0
-    sums = _Sums(time_s, shape / size, residual)
-    at = sums.best(np.linspace(low, high, COARSE_TIMES))
-    return sums.best(np.linspace(max(low, at - apart), min(high, at + apart), FINE_TIMES))
-
-
-class _Sums:
-    """Running sums, from which the fit for each time follows at once."""
-
-    def __init__(self, time_s: Floats, shape: Floats, residual: Floats) -> None:
-        self.time_s = time_s
-        rows = np.stack([shape, shape**2, residual * shape])
-        self.running = np.concatenate([np.zeros((3, 1)), np.cumsum(rows, axis=1)], axis=1)
-        self.residual = float(residual.sum())
-
-    def best(self, times: Floats) -> float:
-        """The time that explains most."""
-        whole = self.running[:, -1]
-        c, cc, rc = whole[:, None] - self.running[:, np.searchsorted(self.time_s, times)]
-        n, one = float(self.time_s.size), np.ones_like(c)
-        gram = np.array([[n * one, whole[0] * one, c], [whole[0] * one, whole[1] * one, cc], [c, cc, cc]]).transpose(
-            2, 0, 1
-        )
-        side = np.stack([self.residual * one, whole[2] * one, rc], axis=1)
-        solved = (np.linalg.pinv(gram, rcond=1e-10, hermitian=True) @ side[..., None])[..., 0]
-        return float(times[int(np.argmax(np.sum(side * solved, axis=1)))])

@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from mbcdm_cad.loop.effect import Effect, Figure, Parameter
+from mbcdm_cad.loop.effect import Effect, Figure, Parameter, best_step
 from mbcdm_cad.loop.prepare.prepared import Prepared, played
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator
 from mbcdm_cad.measurement.schema import MOTION
@@ -24,10 +24,7 @@ def _where_it_steps(setup: Setup, residual: Floats) -> list[list[float]]:
     """Two starts: contact that changes sides without a load, and at the load where one step explains most."""
     used = setup.p.used
     order = np.argsort(setup.load[used])
-    load, r = setup.load[used][order], residual[used][order] - residual[used].mean()
-    k = np.arange(1, r.size)
-    gain = np.cumsum(r)[:-1] ** 2 * r.size / (k * (r.size - k))
-    return [[0.0, 0.0], [0.0, float(load[int(np.argmax(gain))])]]
+    return [[0.0, 0.0], [0.0, best_step(setup.load[used][order], residual[used][order])]]
 
 
 def _input(index: int, setup: Setup, values: Floats, _: Simulator) -> Setup:

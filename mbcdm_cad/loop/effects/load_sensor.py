@@ -226,7 +226,8 @@ def offer(d: DriveSI | None, p: Prepared) -> Iterator[Effect]:
         return
     most = float(np.abs(p.load_Nm).max())
     yield zero(MOST_ZERO * most)
-    yield from lag(MOST_LAG_S)
+    if p.run.kind == MOTION:
+        yield from lag(MOST_LAG_S)
     if p.run.kind == MOTION and p.run.sensors.torque_class.what != MOTORS_CURRENT:
         yield hysteresis(MOST_WIDTH * most)
         if d is not None:

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from mbcdm_cad.loop.effect import Effect, Figure, Parameter, length, pair, phase
-from mbcdm_cad.loop.prepare.lines import strongest_orders
+from mbcdm_cad.loop.prepare.lines import MOST_ORDER, strongest_orders
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator, input_shares
 from mbcdm_cad.model.si import DriveSI
@@ -38,7 +38,7 @@ def _in_path(cable: int, setup: Setup, values: Floats, _: Simulator) -> Setup:
 
 def offer(d: DriveSI | None, p: Prepared) -> Iterator[Effect]:
     """Always as an error of the reading; with torque as a motion of each input and in the path of each cable."""
-    order = Parameter("cycles_per_output_rev", 0.05, 2.0, role="order")
+    order = Parameter("cycles_per_output_rev", 0.05, 2.0, MOST_ORDER, role="order")
     reading = Effect(
         "ripple",
         "line in angle",

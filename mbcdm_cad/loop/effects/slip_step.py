@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from mbcdm_cad.loop.effect import Effect, Parameter, elapsed_s
+from mbcdm_cad.loop.effect import Effect, Parameter, best_step, elapsed_s
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator
 from mbcdm_cad.model.si import DriveSI
@@ -30,15 +30,9 @@ def _anchor(cable: int, setup: Setup, values: Floats, _: Simulator) -> Setup:
 
 
 def _jumps(size: float, setup: Setup, residual: Floats) -> list[list[float]]:
-    """Where one step explains the residual best, by running sums over the samples in use."""
+    """Where one step explains the residual best."""
     used = setup.p.used
-    t, r = elapsed_s(setup)[used], residual[used] - residual[used].mean()
-    n = r.size
-    k = np.arange(1, n)
-    gain = np.cumsum(r)[:-1] ** 2 * n / (k * (n - k))
-    edge = max(10, n // 50)
-    at = edge + int(np.argmax(gain[edge:-edge]))
-    return [[size, float(t[at])]]
+    return [[size, best_step(elapsed_s(setup)[used], residual[used])]]
 
 
 def offer(d: DriveSI | None, p: Prepared) -> Iterator[Effect]:

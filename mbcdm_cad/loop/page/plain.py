@@ -67,13 +67,13 @@ def steps(result: LoopResult) -> list[str]:
         found.append(_sentence(f"to find out which it is: {ways}{plan}"))
     found += [_sentence(f"look at: {one.named.where_to_look}") for one in result.helpful]
     if result.unknown is not None:
-        found.append("Repeat the run at another load and speed, and see whether the remaining error repeats.")
+        found.append(_sentence(result.unknown.repeat))
     return list(dict.fromkeys(found))
 
 
-def described(named: Named) -> str:
-    """One effect as a clause."""
-    words = {name: rounded(name, value) for name, value in named.parameters.items()}
+def described(named: Named, ranged: bool = False) -> str:
+    """One effect as a clause; ``ranged``: with intervals in place of figures."""
+    words = {name: rounded(name, value, ranged) for name, value in named.parameters.items()}
     words |= {f"way_{name}": "higher" if value.value > 0.0 else "lower" for name, value in named.parameters.items()}
     words["stage"] = _spoken(named.stage or "")
     words["form"] = _spoken(named.form)
@@ -82,15 +82,17 @@ def described(named: Named) -> str:
     return named.plain.format(**words) if named.plain else f"{_spoken(named.name)} ({named.form})"
 
 
-def rounded(name: str, value: Value) -> str:
-    """The size of a figure with its unit, rounded to the digits that its interval supports."""
+def rounded(name: str, value: Value, ranged: bool = False) -> str:
+    """The size of a figure with its unit, rounded to the digits that its interval supports; ``ranged``: the
+    interval."""
     factor, unit = size_of(name, [value.value, value.low, value.high])
     if math.isinf(value.high):
         if value.low <= 0.0:
             return "a size that these runs leave open"
         return f"at least {value.low / factor:.2g} {unit}".strip()
-    size, half = abs(value.value) / factor, 0.5 * abs(value.high - value.low) / factor
-    return f"{_to_place(size, half)} {unit}".strip()
+    half = 0.5 * abs(value.high - value.low) / factor
+    ends = sorted((abs(value.low), abs(value.high))) if ranged else [abs(value.value)]
+    return f"{' to '.join(_to_place(end / factor, half) for end in ends)} {unit}".strip()
 
 
 def _to_place(size: float, half: float) -> str:
@@ -101,16 +103,11 @@ def _to_place(size: float, half: float) -> str:
 
 
 def _interval(named: Named) -> str:
-    """The interval of the first size of an effect."""
-    for name, value in named.parameters.items():
-        if f"{{{name}}}" in named.plain:
-            factor, unit = size_of(name, [value.value, value.low, value.high])
-            if math.isinf(value.high):
-                return "A larger size would do the same in this run, so it may be any."
-            half = 0.5 * abs(value.high - value.low) / factor
-            low, high = sorted(abs(v) / factor for v in (value.low, value.high))
-            return f"With 95 % certainty it is {_to_place(low, half)} to {_to_place(high, half)} {unit}".strip() + "."
-    return ""
+    """The intervals of an effect's figures."""
+    told = [value for name, value in named.parameters.items() if f"{{{name}}}" in named.plain]
+    if any(math.isinf(value.high) for value in told):
+        return "A larger size would do the same in this run, so it may be any."
+    return f"With 95 % certainty {described(named, ranged=True)}." if told else ""
 
 
 def _angle(size_rad: float) -> str:

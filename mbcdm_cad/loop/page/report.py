@@ -9,17 +9,19 @@ import numpy as np
 from mbcdm_cad.loop.page import plain
 from mbcdm_cad.loop.page.pictures import bode_png, loop_png, orders_chart, readings_png, scatter_png, time_charts
 from mbcdm_cad.loop.readable import readable, share_text
-from mbcdm_cad.loop.result import BodePicture, Evidence, LoopResult, Named, ReadingsPicture, Traces, windows_words
+from mbcdm_cad.loop.result import (
+    VERDICTS,
+    BodePicture,
+    CandidateRow,
+    LoopResult,
+    Named,
+    ReadingsPicture,
+    Traces,
+    windows_words,
+)
 from mbcdm_cad.measurement.run import Run, VettingNote, doubts
 from mbcdm_cad.report.page.template import page_environment
 
-VERDICTS = {
-    "none": "Nothing is missing",
-    "explained": "Explained",
-    "partly_explained": "Partly explained",
-    "unknown": "Unknown",
-    "not_testable": "Not testable",
-}
 # Pages of more runs than this show the plots of the first ones.
 MOST_PLOTTED = 6
 
@@ -157,7 +159,7 @@ def _effect(named: Named) -> dict[str, Any]:
     return {"named": named, "figures": figures, "takes_off": _micro(readable("_rad", [named.fall_rad])[1][0])}
 
 
-def _candidate(one: Evidence, small: Sequence[Evidence]) -> dict[str, str]:
+def _candidate(one: CandidateRow, small: Sequence[CandidateRow]) -> dict[str, str]:
     _, (held, fall) = readable("_rad", [one.held_out_rad, one.fall_rad])
     return {
         "label": one.label,

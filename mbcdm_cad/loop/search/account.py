@@ -1,15 +1,15 @@
 """What the result reports of a fit: errors on data held back, intervals, limits of the runs, next steps, traces."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import numpy as np
+from scipy.optimize import bisect
 
 from mbcdm_cad.loop.effect import Effect, Figure
 from mbcdm_cad.loop.prepare.lines import order_spectrum
 from mbcdm_cad.loop.prepare.prepared import Prepared, held_out
 from mbcdm_cad.loop.readable import INTERVAL, Value, readable
-from mbcdm_cad.loop.result import ONLY_RATIO, Errors, Evidence, Named, Noise, Traces, ways_apart
+from mbcdm_cad.loop.result import ONLY_RATIO, CandidateRow, Errors, Named, Noise, Traces, ways_apart
 from mbcdm_cad.loop.search.evidence import LEAST_FALL, NoiseModel
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.unknown import Unknown, rms_value
@@ -18,10 +18,6 @@ from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
 TRACE_POINTS = 4000
-# Half the square of a normal deviate beyond which 5 % lie: the fall of the log-likelihood at the ends of an interval.
-LOG_FALL = 1.92
-# First step away from the fitted time, its growth, and the bisections that find the end.
-FIRST_S, GROWTH, HALVINGS = 0.02, 1.5, 12
 
 
 def errors(fitter: Fitter, bare: Fit, fit: Fit, floor_rad: float) -> Errors:
@@ -63,30 +59,20 @@ def time_interval_s(fitter: Fitter, fit: Fit, effect: Effect, noise: NoiseModel)
     memory = 1.0 + 2.0 * noise.memory_s / min(p.step_s for p in fitter.runs)
     square = noise.white_rad**2 + memory * noise.coloured_rad**2
     used = fitter.used
+    # Between two samples nothing tells one time from another.
+    step = max(p.step_s for p in fitter.runs)
     least = float(np.sum(fit.residual[used] ** 2))
 
-    def likely(time: float) -> bool:
+    def unlikely(time: float) -> float:
+        """Above zero where the log-likelihood is below that at the ends of an interval."""
         values = [v.copy() for v in fit.values]
         values[k][at] = time
         moved = fitter.centred_on(used, fitter.output - fitter.predict(fit.effects, values, fit.offsets))
-        return float(np.sum(moved**2)) - least < 2.0 * LOG_FALL * square
+        return float(np.sum(moved**2)) - least - INTERVAL**2 * square
 
     def end(towards: float) -> float:
-        inside, step = best, FIRST_S
-        while abs(towards - inside) > 0.0:
-            outside = inside + np.sign(towards - inside) * min(step, abs(towards - inside))
-            if not likely(float(outside)):
-                break
-            inside, step = float(outside), step * GROWTH
-        else:
-            return towards
-        for _ in range(HALVINGS):
-            middle = 0.5 * (inside + float(outside))
-            inside, outside = (middle, outside) if likely(middle) else (inside, middle)
-        return float(outside)
+        return towards if unlikely(towards) <= 0.0 else float(bisect(unlikely, best, towards, xtol=step))
 
-    # Between two samples nothing tells one time from another.
-    step = max(p.step_s for p in fitter.runs)
     return max(parameter.low, end(parameter.low) - step), min(parameter.high, end(parameter.high) + step)
 
 
@@ -140,7 +126,7 @@ def next_steps(named: Sequence[Named], sets: Sequence[Sequence[Named]], unknown:
         ways = ways_apart(group)
         steps.append(f"to tell {' from '.join(one.words for one in group)}: {ways}")
     if unknown is not None:
-        steps.append("something unknown: repeat the run at another load and speed, and see whether it repeats")
+        steps.append(f"something unknown: {unknown.repeat}")
     return tuple(steps)
 
 
@@ -178,50 +164,29 @@ def traces(fitter: Fitter, bare: Fit, fit: Fit) -> tuple[Traces, ...]:
     return tuple(found)
 
 
-def left_out(label: str, rms_rad: float, fall_rad2: float, floor_rad: float) -> Evidence:
+def left_out(label: str, rms_rad: float, fall_rad2: float, floor_rad: float) -> CandidateRow:
     """A candidate that was not taken: it lowers the mean square too little, or something else does as much."""
     fall_rad = float(np.sqrt(max(0.0, fall_rad2)))
     why = "too small to name" if fall_rad < LEAST_FALL * floor_rad else "not likely enough"
-    return Evidence(label, rms_rad, fall_rad, why)
+    return CandidateRow(label, rms_rad, fall_rad, why)
 
 
 # Figures of the design, of the errors within a class.
 PARTS = ("structure", "losses")
 
 
-@dataclass(frozen=True)
-class WithinClass:
-    """Errors of the torque sensor in the fit: name and size of each, with the class that allows them."""
-
-    sizes: tuple[tuple[str, float], ...]
-    torque_class: TorqueClass
-
-    @property
-    def sentence(self) -> str:
-        """For people."""
-        own, others = (
-            [" ".join((word, *shown)) for word, shown in (readable(*one) for one in group)] for group in self._groups()
-        )
-        sentences = []
-        if others:
-            sentences.append(
-                f"errors of the {self.torque_class.what} within its class ({self.torque_class.words}): "
-                f"{', '.join(others)}"
-            )
-        if own:
-            sentences.append(f"figures of the design within their uncertainty: {', '.join(own)}")
-        return " and ".join(sentences)
-
-    def _groups(self) -> Iterator[list[tuple[str, list[float]]]]:
-        """Sizes of the parts' figures, and of the sensor's errors."""
-        for parts in (True, False):
-            yield [(name, [size]) for name, size in self.sizes if name.startswith(PARTS) is parts]
-
-
-def size_name(effect: Effect) -> str:
-    """Name of its figure, with the unit."""
-    name = effect.parameters[0].name
-    return f"{effect.name}_{name}" if effect.name in PARTS else f"{effect.name[5:]}_{name.rsplit('_', 1)[-1]}"
+def within_words(sizes: Sequence[tuple[Effect, float]], torque_class: TorqueClass) -> str:
+    """Errors of the torque sensor within the class that allows them, and of the design's figures, for people."""
+    own, others = list[str](), list[str]()
+    for effect, size in sizes:
+        name = effect.parameters[0].name
+        is_part = effect.name in PARTS
+        figure = f"{effect.name}_{name}" if is_part else f"{effect.name[5:]}_{name.rsplit('_', 1)[-1]}"
+        word, shown = readable(figure, [size])
+        (own if is_part else others).append(f"{word} {shown[0]}")
+    sensor = f"errors of the {torque_class.what} within its class ({torque_class.words}): {', '.join(others)}"
+    parts = f"figures of the design within their uncertainty: {', '.join(own)}"
+    return " and ".join([*([sensor] if others else []), *([parts] if own else [])])
 
 
 def stated(noise: NoiseModel, declared_rad: float) -> Noise:

@@ -29,10 +29,14 @@ from mbcdm_cad.routes import Floats
 
 # Logarithm of the odds from which something counts as certain.
 LOG_ODDS = float(np.log(99.0))
+# The posterior that a set of names holds.
+CREDIBLE = 0.95
 # Least fall of the error by a named effect, RMS over the floor: smaller ones are listed.
 LEAST_FALL = 0.45
 # Two predictions that differ by this share of the noise, RMS, are alike: so much may be an error of the model.
 ALIKE_SHARE = 0.12
+# Of a ranking so many are looked at: what may be first after more work.
+TRIED = 4
 # Candidates of the noise: shares of the mean square with a memory, and memories from steps of the run to its duration.
 SHARES = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 0.95, 0.99)
 MEMORIES = 9
@@ -127,7 +131,7 @@ class Weighed:
     """The evidence of a model. ``log``: marginal likelihood; ``mean`` of the effects' values (k,), all else integrated
     out; ``joint``: nuisances and values, their covariance (q + k, q + k); ``nuisances``: posterior means (q,), in
     standard deviations; ``unknown``: number of the likeliest hypothesis of the unknown cause, and the log odds of any
-    against the least scale; ``curves``: posterior mean of its coefficients.
+    against the least scale; ``curves``: posterior mean of its coefficients; ``alone``: ``log`` beside no unknown cause.
     """
 
     log: float
@@ -137,6 +141,7 @@ class Weighed:
     unknown: int
     unknown_odds: float
     curves: Floats
+    alone: float
 
     @property
     def covariance(self) -> Floats:
@@ -148,8 +153,10 @@ class Weighed:
 class Whitened:
     """Nuisances and curves, whitened by one noise model; the curves of each family in their principal axes.
 
-    Each family at each scale is one hypothesis of what an unknown cause does, by number.
+    Each family at each scale is one hypothesis of what an unknown cause does, by number; ``none``: the least.
     """
+
+    none = 0
 
     def __init__(
         self,
@@ -190,6 +197,10 @@ class Whitened:
         ends = np.cumsum([0, *(one.shape[1] for one in kept)])
         self.slices = [slice(a, b) for a, b in pairwise(ends)]
         self._gram, self._on_z = self.nuisances.T @ self.nuisances, self.curves.T @ self.nuisances
+
+    def family(self, unknown: int) -> int:
+        """Number of the family of a hypothesis."""
+        return unknown // self.scales.size
 
     def hypothesis(self, unknown: int) -> tuple[slice, Floats]:
         """The axes of a hypothesis of the unknown, and their weights."""
@@ -261,16 +272,17 @@ class Whitened:
         whole[free] = value
         covariance[np.ix_(free, free)] = spread * np.outer(sd[free], sd[free])
         fixed = np.flatnonzero(~np.isnan(held[:own]))
-        log = float(logsumexp(logs)) - 0.5 * float(held[fixed] @ held[fixed]) - rows * self.coarse.log_scale
+        beyond = 0.5 * float(held[fixed] @ held[fixed]) + rows * self.coarse.log_scale
         axes, weights = self.hypothesis(best)
         curves = weights * (on_z[axes, -1] - on_z[axes, :-1] @ mean)
         least = np.arange(logs.size) % self.scales.size == 0
         odds = float(logsumexp(logs[~least]) - logsumexp(logs[least])) if not least.all() else -np.inf
-        return Weighed(log, whole[own:], covariance, whole[:own], best, odds, curves)
+        log, alone = float(logsumexp(logs)) - beyond, float(logs[self.none]) - beyond
+        return Weighed(log, whole[own:], covariance, whole[:own], best, odds, curves, alone)
 
     def unknown(self, evidence: Weighed, curves: Sequence[Floats]) -> Floats:
         """What the unknown cause does, rad (n,); ``curves`` as given at first."""
-        family = evidence.unknown // self.scales.size
+        family = self.family(evidence.unknown)
         return np.asarray(curves[family] @ (self.axes[family] @ evidence.curves))
 
     def _solved(self, gram: Floats, on_z: Floats) -> tuple[int, Floats, Floats, Floats]:
@@ -312,11 +324,12 @@ class NoiseOfUnknownSize(Whitened):
         curves: Sequence[Floats],
         names: int,
         least_rad: float,
+        scales: Floats = SCALES,
     ) -> None:
-        super().__init__(noise, nuisances, bounds, curves, names)
-        factors = FACTORS[noise.white_rad * FACTORS >= least_rad * (1.0 - 1e-9)]
+        super().__init__(noise, nuisances, bounds, curves, names, scales=scales)
+        factors = FACTORS[noise.white_rad * FACTORS >= least_rad * (1.0 - ROUNDED)]
         sizes = [replace(noise, white_rad=noise.white_rad * float(factor)) for factor in factors]
-        self.each = [Whitened(one, nuisances, bounds, curves, names) for one in sizes]
+        self.each = [Whitened(one, nuisances, bounds, curves, names, scales=scales) for one in sizes]
         prior = -FREEDOM * (np.log(factors) + 0.5 / factors**2)
         self.prior = prior - logsumexp(prior)
 
@@ -334,7 +347,11 @@ class NoiseOfUnknownSize(Whitened):
         best = int(np.argmax(logs))
         number = best * self.log_curves.size + found[best].unknown
         own, log, curves = self.bounds.shape[1], float(logsumexp(logs)), found[best].curves
-        return Weighed(log, mean[own:], joint, mean[:own], number, float(unknown), curves)
+        return Weighed(log, mean[own:], joint, mean[:own], number, float(unknown), curves, found[best].alone)
+
+    def family(self, unknown: int) -> int:
+        """Number of the family of a hypothesis."""
+        return super().family(unknown % self.log_curves.size)
 
     def metric(self, unknown: int) -> Callable[[Floats], Floats]:
         """Beside the likeliest noise."""

@@ -1,12 +1,11 @@
 """Few readings: their noise (what those that repeat each other scatter by, or what a line or a curve leaves), what is
 left and on what it hangs, what they cannot test, their pictures."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import t as t_distribution
 
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.readable import readable
@@ -21,8 +20,6 @@ from mbcdm_cad.routes import Floats
 REPEATS_SHARE, FEWEST_REPEATS = 0.05, 4
 # Degree of the curve over the logarithm of time beside which readings at rest scatter.
 CURVE = 3
-# Chance of a dependence where there is none.
-CHANCE = 0.01
 LOST_TRACK = (
     "the inputs turn round under a load that is made smaller before the next row: until then it had its old size, "
     "which no row says and the friction of the cables remembers; write a row before the load is made smaller, go from "
@@ -104,7 +101,7 @@ def _groups(p: Prepared, at: NDArray[np.int64]) -> NDArray[np.int64]:
     groups = np.zeros(at.size, dtype=np.int64)
     for values in columns:
         order = np.argsort(values)
-        apart = np.diff(values[order], prepend=values[order][0]) > REPEATS_SHARE * max(float(np.ptp(values)), 1e-30)
+        apart = np.diff(values[order], prepend=values[order][0]) > REPEATS_SHARE * float(np.ptp(values))
         level = np.empty(at.size, dtype=np.int64)
         level[order] = np.cumsum(apart)
         groups = groups * (at.size + 1) + level
@@ -116,48 +113,12 @@ class LeftOver(Unknown):
     """What no effect explains in few readings; ``hangs_on`` says on what it hangs, in words."""
 
     hangs_on: str = ""
+    repeat: ClassVar[str] = "do it again, with other loads too, and see whether it repeats"
 
     def sentence(self) -> str:
         """For people."""
         _, (rms, peak) = readable("_rad", [self.rms_rad, self.peak_rad])
         return f"{rms} RMS, {peak} at most; {self.hangs_on}"
-
-
-def verdict_of(found: Sequence[object], left: LeftOver | None) -> str:
-    """The verdict on what was found and what is left."""
-    if found:
-        return "explained" if left is None else "partly_explained"
-    return "none" if left is None else "unknown"
-
-
-def hangs_on(fitter: Fitter, r: Floats, at_rest: bool) -> str:
-    """On what a residual of the used readings hangs, in words."""
-    runs, used = fitter.runs, fitter.used
-
-    def of(values: Sequence[Floats]) -> Floats:
-        return np.asarray(np.concatenate(values)[used])
-
-    variables = {
-        "the direction": of([p.sense for p in runs]),
-        "the angle": of([p.mean_rad for p in runs]),
-        "the order of the rows": of([np.arange(p.time_s.size, dtype=float) for p in runs]),
-    }
-    if at_rest:
-        variables = {"the logarithm of time": of([since(p) for p in runs]), "the time": of([p.time_s for p in runs])}
-        if all(p.temperature_C is not None for p in runs):
-            variables["the temperature"] = of([p.temperature_C for p in runs if p.temperature_C is not None])
-    elif all(p.load_Nm is not None for p in runs):
-        variables["the load"] = of([p.load_Nm for p in runs if p.load_Nm is not None])
-    found = {}
-    for name, x in variables.items():
-        if np.ptp(x) and r.size > 4:
-            rho = float(np.corrcoef(x, r)[0, 1])
-            t = abs(rho) * np.sqrt((r.size - 2) / max(1.0 - rho**2, 1e-12))
-            if 2.0 * t_distribution.sf(t, r.size - 2) < CHANCE:
-                found[name] = abs(rho)
-    if not found:
-        return f"no dependence is certain in {r.size} readings"
-    return "it goes with " + " or ".join(sorted(found, key=lambda name: -found[name])[:2])
 
 
 def not_testable(fitter: Fitter, declared: bool, at_rest: bool) -> tuple[str, ...]:

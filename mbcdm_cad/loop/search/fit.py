@@ -177,6 +177,10 @@ class Fitter:
         """Largest offset between two input encoders: some counts, or what zeros taken from the data may be wrong by."""
         return max(APART_COUNTS * p.input_step_rad, p.run.zeros.apart_unsure_rad if p.run.zeros else 0.0)
 
+    def run_name(self, effect: Effect) -> str:
+        """Name of the only run that has an effect; empty if all have it."""
+        return "" if effect.run is None else self.runs[effect.run].run.source or f"run {effect.run + 1}"
+
     def twin(self) -> Fitter:
         """The same fitter with its own cache, for another thread."""
         other = copy(self)
@@ -324,8 +328,8 @@ class Fitter:
     ) -> tuple[_Point | None, float]:
         """A better point, or None, and the damping for the next step.
 
-        None also where the step promises less than half of the fall at which a fit has ``settled``: a simulation is not
-        worth its time.
+        None also where the step promises less than the fall at which a fit has ``settled``: a simulation is not worth
+        its time.
         """
         if now.square == 0.0:  # the prediction is already exact, as for a drum that stands still
             return None, damping
@@ -338,7 +342,7 @@ class Fitter:
         for _ in range(MOST_DAMPED):
             step = np.linalg.solve(normal + damping * np.eye(slope.size), slope)
             promised = float(2.0 * slope @ step - step @ normal @ step) / (now.square * now.errors.size)
-            if promised < 0.5 * settled:
+            if promised < settled:
                 return None, damping
             if ((step < bounds[0]) | (step > bounds[1])).any():
                 step = _bounded_step(normal, slope, damping, bounds)

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.linalg import helmert
 
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.loop.effect import Effect
@@ -21,8 +22,6 @@ FIELDS = {
 }
 # Before the data, a change is normal with this many times the effect's typical small size: 10 % of a share.
 LIKELY_SIZES = 5.0
-# The variance that stands for "any common value".
-ANY = 1e8
 
 
 def own_effects(names: Sequence[str], offered: Sequence[Effect], run: str) -> list[list[Effect]]:
@@ -129,8 +128,10 @@ def log_odds_of_change(values: Floats, covariance: Floats, likely: Floats, runs:
     The same: all equal, at any value, or, unless ``among_themselves``, all zero, which is what the other runs have. Not
     the same: each moved by a normal deviate of the standard deviation ``likely``.
     """
-    wide = values.size // runs
-    common = np.kron(np.ones((runs, runs)), np.eye(wide)) * np.outer(likely, likely) * ANY if among_themselves else 0.0
+    if among_themselves:  # what they have in common says nothing
+        contrasts = np.kron(helmert(runs), np.eye(values.size // runs))
+        values, likely = contrasts @ values, likely[: contrasts.shape[0]]
+        covariance = contrasts @ covariance @ contrasts.T
 
     def log_likelihood(spread: Floats) -> float:
         scaled = spread / np.outer(likely, likely)
@@ -138,4 +139,4 @@ def log_odds_of_change(values: Floats, covariance: Floats, likely: Floats, runs:
             values / likely @ np.linalg.solve(scaled, values / likely) + np.linalg.slogdet(scaled).logabsdet
         )
 
-    return log_likelihood(covariance + common + np.diag(likely**2)) - log_likelihood(covariance + common)
+    return log_likelihood(covariance + np.diag(likely**2)) - log_likelihood(covariance)

@@ -14,7 +14,7 @@ from scipy.interpolate import BSpline
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects.load_sensor import within_class, within_prior
 from mbcdm_cad.loop.prepare.prepared import Prepared
-from mbcdm_cad.loop.search.evidence import LOG_ODDS, ROUNDED, NoiseModel, Whitened, noise_model
+from mbcdm_cad.loop.search.evidence import LOG_ODDS, ROUNDED, TRIED, NoiseModel, Whitened, noise_model
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.routes import Floats
@@ -23,8 +23,6 @@ from mbcdm_cad.routes import Floats
 ANGLE_KNOTS, LOAD_KNOTS, SPEED_KNOTS = (4, 8, 16, 32), (5, 9), (6,)
 # How far an unknown law of the load that is nearly proportional to it is from that, as a share.
 PROPORTIONAL = 0.2
-# Candidates without which the noise is found, of which the largest are tried.
-MOST_TRIED = 4
 # Windows of the smoothing as if the noise were so many times as large: two standard deviations apart.
 OTHER_WINDOWS = (0.5, 2.0)
 
@@ -62,9 +60,10 @@ class LogProblem:
     @cached_property
     def starts(self) -> tuple[int, ...]:
         """First rows of stretches of samples that follow each other."""
-        each = zip(self.fitter.parts, self.fitter.runs, strict=True)
-        number = [np.arange(part.start, part.stop) + 1e9 * k + 1e6 * _stretch(p) for k, (part, p) in enumerate(each)]
-        return (0, *(np.flatnonzero(np.diff(np.concatenate(number)[self.used]) != 1.0) + 1).tolist())
+        sizes = [int(p.used.sum()) for p in self.fitter.runs]
+        before = np.cumsum([0, *sizes[:-1]]).tolist()
+        pairs = zip(before, self.fitter.runs, strict=True)
+        return tuple(first + start for first, p in pairs for start in starts_of(p))
 
     def nuisances_of(self, fit: Fit) -> tuple[Nuisance, ...]:
         """Sensors within their class, the design's figures within theirs, shapes of laws, offsets of the
@@ -122,7 +121,7 @@ class LogProblem:
         by_load, by_speed = self._hats("load", LOAD_KNOTS, True), self._hats("speed", SPEED_KNOTS)
         load = self._of("load")
         by_place = [] if load is None else [load * hat for hat in self._hats("angle", smooth)]
-        families = [
+        families: list[list[Floats]] = [
             [*self._hats("angle", fine, True), *by_load, *by_speed, *by_place],
             self._hats("angle", smooth),
             self._hats("angle", fine),
@@ -135,19 +134,12 @@ class LogProblem:
         speed = self._of("speed")
         assert speed is not None
         squares = [one for of in (speed, load) if of is not None for one in (of**2, np.abs(of) * of)]
-        found = [(self._unit(family), 0.0) for family in families]
-        found += [(self._unit([square]), LOG_ODDS) for square in squares]
-        if load is not None:
-            found.append((np.column_stack([self._unit([load]), PROPORTIONAL * self._unit(by_load)]), LOG_ODDS))
+        found = [(unit_columns(family)[0], 0.0) for family in families if family]
+        found += [(unit_columns([square])[0], LOG_ODDS) for square in squares]
+        if load is not None and by_load:
+            near = [unit_columns([load])[0], PROPORTIONAL * unit_columns(by_load)[0]]
+            found.append((np.column_stack(near), LOG_ODDS))
         return tuple(pair for pair in found if pair[0].size)
-
-    def _unit(self, family: Sequence[Floats]) -> Floats:
-        """Columns (n, k) of RMS 1 together, those that vary."""
-        columns = np.stack(family, axis=1) if family else np.zeros((int(self.used.sum()), 0))
-        columns = columns - columns.mean(axis=0)
-        size = np.sqrt(np.mean(columns**2, axis=0))
-        kept = size > 1e-6
-        return np.asarray(columns[:, kept] / size[kept] / np.sqrt(max(kept.sum(), 1)))
 
     def _of(self, name: str) -> Floats | None:
         """Angle, load or speed of all runs, None if it was not measured.
@@ -201,7 +193,7 @@ class LogProblem:
                 inner = own.T @ own + np.mean(rest**2) * np.eye(own.shape[1])
                 left.append(rest - own @ np.linalg.solve(inner, own.T @ rest))
             tried = []
-            for k in np.argsort([float(one @ one) for one in left])[:MOST_TRIED]:
+            for k in np.argsort([float(one @ one) for one in left])[:TRIED]:
                 paid = 0.5 * each[k].shape[1] * np.log(rest.size) + np.log(len(each)) + LOG_ODDS
                 tried.append((*self._likeliest(left[k]), paid, k))
             better, found, paid, k = max(tried, key=lambda one: one[0] - one[2])
@@ -234,6 +226,17 @@ def _orthonormal(columns: Floats) -> Floats:
     return np.asarray(columns @ (axes[:, kept] / np.sqrt(values[kept])))
 
 
+def unit_columns(family: Sequence[Floats]) -> tuple[Floats, Floats]:
+    """Columns (n, k) without mean, of RMS 1 together, and what each was divided by; 0 of those that do not vary."""
+    columns = np.stack(family, axis=1)
+    columns = columns - columns.mean(axis=0)
+    size = np.sqrt(np.mean(columns**2, axis=0))
+    size = np.where(size > ROUNDED * size.max(), size, 0.0)
+    kept = size > 0.0
+    size *= np.sqrt(max(kept.sum(), 1))
+    return np.asarray(columns[:, kept] / size[kept]), np.asarray(size)
+
+
 def hats_over(values: Floats, knots: int) -> list[Floats]:
     """Linear B-splines over the range of ``values``: any curve that is straight between the knots is a sum of them."""
     low, high = float(values.min()), float(values.max())
@@ -242,6 +245,8 @@ def hats_over(values: Floats, knots: int) -> list[Floats]:
     return list(BSpline.design_matrix(values, np.r_[low, np.linspace(low, high, knots), high], 1).toarray().T)
 
 
-def _stretch(p: Prepared) -> Floats:
-    """Number of the stretch of each sample."""
-    return np.asarray(np.searchsorted(p.cut.starts, np.arange(p.time_s.size), side="right"), dtype=float)
+def starts_of(p: Prepared) -> tuple[int, ...]:
+    """First of the samples in use, by number, of each stretch without gaps."""
+    stretch = np.searchsorted(p.cut.starts, np.arange(p.time_s.size), side="right")
+    gaps = (np.diff(np.flatnonzero(p.used)) != 1) | (np.diff(stretch[p.used]) != 0)
+    return (0, *(np.flatnonzero(gaps) + 1).tolist())

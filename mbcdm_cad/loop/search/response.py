@@ -11,27 +11,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
+from scipy.optimize import brentq, least_squares
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.registry import layout_of
-from mbcdm_cad.loop.prepare.behind_inputs import (
-    RIGID_DRIVE,
-    BehindInputs,
-    Values,
-    behind_inputs,
-    carried_Nm,
-    first_mode,
-    own_modes_Hz,
-    predicted,
-)
+from mbcdm_cad.loop.prepare import behind_inputs
+from mbcdm_cad.loop.prepare.samples import ONE_OF
 from mbcdm_cad.loop.readable import INTERVAL, Value, readable
-from mbcdm_cad.loop.result import BodePicture, Errors, LoopResult, Named, Noise, TorsionalMode
+from mbcdm_cad.loop.result import BodePicture, Errors, LoopResult, Named, Noise, TorsionalMode, verdict_of
 from mbcdm_cad.loop.search.account import errors_of, next_steps
-from mbcdm_cad.loop.search.evidence import NoiseModel, NoiseOfUnknownSize, Whitened
-from mbcdm_cad.loop.search.few_readings import LeftOver, verdict_of
+from mbcdm_cad.loop.search.evidence import TRIED, NoiseModel, NoiseOfUnknownSize, Weighed, Whitened
+from mbcdm_cad.loop.search.few_readings import LeftOver
+from mbcdm_cad.loop.search.fit import DIFFERENCE
+from mbcdm_cad.loop.search.moves import Moves
 from mbcdm_cad.loop.search.problem import hats_over
-from mbcdm_cad.loop.search.selection import Moves
 from mbcdm_cad.measurement.response import FrequencyResponse, response_of
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.model.si import DriveSI
@@ -42,12 +35,6 @@ from mbcdm_cad.routes import Complex, Floats
 SLIP_SHARE, LAW_SHARE, SCALE_SHARE = 0.1, 0.015, 0.001
 # What the rig's chirps leave: of a response averaged over neighbouring lines, and of the slip by the linear law.
 ESTIMATE_SHARE, LINEAR_SHARE = 0.005, 0.05
-# Sizes from which a fit begins, the best of the grid.
-TRIED = 2
-# Step of a difference quotient, of the typical size.
-SLOPE = 1e-2
-# Steps in which amplitude and frequency of a mode settle.
-SETTLED = 12
 # Places and sizes at which the fit of a second mode begins; it lies this far from the first.
 PLACES, SHARES, APART = 40, (0.03, 0.15, 0.5), 1.15
 # Knots over the logarithm of the frequency of what an unknown cause may do, as a share of the response.
@@ -56,8 +43,6 @@ KNOTS = (6, 18)
 TOLERANCES = ("structure", "inertia")
 # Standard deviation of what is always free and nobody knows, over its typical size.
 OPEN = 10.0
-# A mode lies in the band if its frequency is this far inside.
-INSIDE = 1.05
 
 Mask = NDArray[np.bool_]
 
@@ -81,6 +66,11 @@ class Suspect:
     def parameter(self) -> str:
         """Name of its first figure in the model."""
         return next(iter(self.shapes))
+
+    @property
+    def last(self) -> bool:
+        """Whether it is a shape rather than a cause."""
+        return False
 
     @property
     def key(self) -> str:
@@ -177,7 +167,7 @@ _SECOND = {
 }
 
 
-def suspects(d: DriveSI | None, held: BehindInputs, highest_Hz: float) -> tuple[Suspect, ...]:
+def suspects(d: DriveSI | None, held: behind_inputs.BehindInputs, highest_Hz: float) -> tuple[Suspect, ...]:
     """Everything that a frequency response can show of a drive."""
     turn = 0.45 / highest_Hz
     shares = np.concatenate([-np.geomspace(0.7, 0.01, 16), np.geomspace(0.01, 3.0, 20)])
@@ -236,10 +226,10 @@ class ResponseFit:
         return INTERVAL * float(np.sqrt(self.covariance[at, at]))
 
 
-def _sigmas(seen: FrequencyResponse, held: BehindInputs, v: Values) -> list[Floats]:
+def _sigmas(seen: FrequencyResponse, held: behind_inputs.BehindInputs, v: behind_inputs.Values) -> list[Floats]:
     """Noise of each quotient: its scatter, what averaging leaves, and what the linear law of the slip leaves."""
     inertia, gain = held.payload_kg_m2 + held.drum_kg_m2, np.abs(seen.output.value)
-    torque = carried_Nm(seen, inertia)
+    torque = behind_inputs.carried_Nm(seen, inertia)
     slip = np.interp(torque, held.torque_Nm, held.cables_rad_Nm) - held.cables_rad_Nm[0]
     slip = LINEAR_SHARE * (slip + v.get("softening", 0.0) * torque)
     # By how much the quotients change with the compliance.
@@ -253,8 +243,6 @@ def _sigmas(seen: FrequencyResponse, held: BehindInputs, v: Values) -> list[Floa
 class ResponseLoop(Moves[ResponseFit]):
     """The loop on frequency responses of one drive."""
 
-    paired, same_form = 0, 0.0
-
     def __init__(self, drive: Drive | None, ratio: float, runs: Sequence[Run]) -> None:
         self.runs, self.drive, self.d = tuple(runs), drive, None if drive is None else layout_of(drive).si
         self.seen = [response_of(run, ratio) for run in runs]
@@ -262,7 +250,9 @@ class ResponseLoop(Moves[ResponseFit]):
             self.seen = [replace(one, twist=None) for one in self.seen]
         most = [float(one.acceleration_rad_s2.max()) for one in self.seen]
         pairs = zip(runs, most, strict=True)
-        self.held = [RIGID_DRIVE if drive is None else behind_inputs(drive, *pair) for pair in pairs]
+        self.held = [
+            behind_inputs.RIGID_DRIVE if drive is None else behind_inputs.behind_inputs(drive, *pair) for pair in pairs
+        ]
         # Of a table without an amplitude nothing says how much the wraps slip.
         self.held = [held if one.levelled else held.at(0.0) for held, one in zip(self.held, self.seen, strict=True)]
         levelled, by_torque = (
@@ -307,7 +297,7 @@ class ResponseLoop(Moves[ResponseFit]):
         quotients = [one for seen in self.seen for one in seen.quotients]
         self.measured = np.concatenate([one.value for one in quotients])
         self.scatter = np.concatenate([one.sigma for one in quotients])
-        self.test: Mask = np.concatenate([np.arange(one.value.size) % 3 == 1 for one in quotients])
+        self.test: Mask = np.concatenate([np.arange(one.value.size) % ONE_OF == 1 for one in quotients])
         self.every: Mask = np.ones(self.test.size, dtype=bool)
         # Amplitude of the inputs, and of a torque, for which errors are stated: the usual one.
         levels = {
@@ -317,14 +307,14 @@ class ResponseLoop(Moves[ResponseFit]):
         self.amplitude = {over: float(np.median(np.concatenate(rows))) for over, rows in levels.items()}
         self.names = len({one.name for one in self.library}) + 1
         self._weigh({})
-        first = first_mode(self.held[0], self.bare.values, 0.0)[0]
+        first = behind_inputs.first_mode(self.held[0], self.bare.values, 0.0)[0]
         if drive is None:  # nothing says where the first mode is
             mode = next(one for one in self.library if one.name == MODE)
-            first = first_mode(self.held[0], self.best(self.bare, mode).values, 0.0)[0]
-        low = min(float(one.frequency_Hz[0]) for one in self.seen) * INSIDE
-        self.library += tuple(second_modes(low, self.highest_Hz / INSIDE, first))
+            first = behind_inputs.first_mode(self.held[0], self.best(self.bare, mode).values, 0.0)[0]
+        low = min(float(one.frequency_Hz[0]) for one in self.seen)
+        self.library += tuple(second_modes(low, self.highest_Hz, first))
 
-    def _weigh(self, v: Values) -> None:
+    def _weigh(self, v: behind_inputs.Values) -> None:
         """Set the noise of all averages; of a drive without a design with the slip that a fit ``v`` found."""
         sigmas = [_sigmas(seen, held, v) for seen, held in zip(self.seen, self.held, strict=True)]
         self.sigma = np.concatenate([row for rows in sigmas for row in rows])
@@ -336,11 +326,15 @@ class ResponseLoop(Moves[ResponseFit]):
         outputs = np.concatenate([rows[0] * self.amplitude[seen.over_torque] for rows, seen in pairs])
         self._floor_rad = 1.0 / float(np.sqrt(np.mean(outputs**-2.0)))
         self.bare, self.before = self.fit(()), self.fit((), known=TOLERANCES)
-        self.__dict__.pop("_additions", None)
-        self._known: dict[ResponseFit, float] = {}
+        self.rescaled(self.scales)
+
+    def rescaled(self, scales: Floats) -> None:
+        """Take other scales of an unknown cause, and forget what was found under others."""
+        self.scales, self._known = scales, dict[ResponseFit, Weighed]()
+        self.forget()
         noise = NoiseModel(float(np.sqrt(self.together)))
         none = np.zeros((2 * self.measured.size, 0)), np.zeros((2, 0))
-        self.white = NoiseOfUnknownSize(noise, *none, self._curves(), self.names, noise.white_rad)
+        self.white = NoiseOfUnknownSize(noise, *none, self._curves(), self.names, noise.white_rad, scales)
 
     def _curves(self) -> tuple[Floats, ...]:
         """What an unknown cause may do: a smooth share of the response over the logarithm of the frequency."""
@@ -367,20 +361,20 @@ class ResponseLoop(Moves[ResponseFit]):
 
     # Fits.
 
-    def weighted(self, v: Values) -> Complex:
+    def weighted(self, v: behind_inputs.Values) -> Complex:
         """What figures leave of all averages, over its noise, (n,)."""
         pairs = zip(self.held, self.seen, strict=True)
-        rows = [row for held, seen in pairs for row in predicted(held, v, seen)[: len(seen.quotients)]]
+        rows = [row for held, seen in pairs for row in behind_inputs.predicted(held, v, seen)[: len(seen.quotients)]]
         return np.asarray((self.measured - np.concatenate(rows)) / self.sigma)
 
-    def _residual(self, v: Values, mask: Mask) -> Floats:
+    def _residual(self, v: behind_inputs.Values, mask: Mask) -> Floats:
         left = self.weighted(v)[mask]
         return np.concatenate([left.real, left.imag])
 
     def fit(
         self,
         chosen: Sequence[Suspect],
-        start: Values | None = None,
+        start: behind_inputs.Values | None = None,
         mask: Mask | None = None,
         known: Sequence[str] = (),
     ) -> ResponseFit:
@@ -428,8 +422,8 @@ class ResponseLoop(Moves[ResponseFit]):
         for one in self.library:
             size = one.shapes[one.parameter][0]
             if one.name != SECOND:
-                change = base - self.weighted({**at, one.parameter: at.get(one.parameter, 0.0) + SLOPE * size})
-                found[one] = np.concatenate([change.real, change.imag]) / (SLOPE * size)
+                change = base - self.weighted({**at, one.parameter: at.get(one.parameter, 0.0) + DIFFERENCE * size})
+                found[one] = np.concatenate([change.real, change.imag]) / (DIFFERENCE * size)
         sizes = np.array([self.prior.get(name, OPEN * self.nuisances[name][0]) for name in self.bare.free])
         bounds = np.full((2, sizes.size), np.inf) * np.array([[-1.0], [1.0]])
         return Whitened(self.white.noise, -self.bare.slopes * sizes, bounds, self._curves(), self.names), found
@@ -444,8 +438,13 @@ class ResponseLoop(Moves[ResponseFit]):
         """Error of all averages."""
         return self._rms(fit.weighted)
 
-    def log_of(self, fit: ResponseFit) -> float:
-        """Logarithm of the evidence: linear about the fit."""
+    def unknown_rad(self, fit: ResponseFit) -> float:
+        """Error that the unknown cause makes beside a fit."""
+        own = self.white.unknown(self.of(fit), self._curves())
+        return self._rms(own[: self.measured.size] + 1j * own[self.measured.size :])
+
+    def of(self, fit: ResponseFit) -> Weighed:
+        """Evidence of a fit, linear about it."""
         if fit not in self._known:
             slopes, weighted = -fit.slopes, np.concatenate([fit.weighted.real, fit.weighted.imag])
             whole = self._rms(self.before.weighted) / self.floor_rad
@@ -462,14 +461,19 @@ class ResponseLoop(Moves[ResponseFit]):
                     sd[-1] = (high - low) / np.sqrt(12.0)
                 bounds.append((low, high))
             columns = np.column_stack([slopes, weighted + slopes @ at])
-            self._known[fit] = self.white.evidence_of(columns, np.array(sd), np.array(bounds).T).log
+            self._known[fit] = self.white.evidence_of(columns, np.array(sd), np.array(bounds).T)
         return self._known[fit]
 
     def without(self, fit: ResponseFit, cause: Suspect) -> ResponseFit:
         """The fit without one of its suspects."""
         start = {**fit.values, **{name: self.declared.get(name, 0.0) for name in cause.shapes}}
         rest = [one for one in fit.effects if one is not cause]
-        return self.fit(rest, start) if rest else self.bare
+        if not rest:
+            return self.bare
+        key = frozenset(rest)
+        if key not in self._without:
+            self._without[key] = self.fit(rest, start)
+        return self._without[key]
 
     def trials(self, now: ResponseFit) -> list[ResponseFit]:
         """Fits with one suspect more: others, and one of the forms of a delay and of a second mode."""
@@ -494,14 +498,15 @@ class ResponseLoop(Moves[ResponseFit]):
 
     def result(self) -> LoopResult:
         """Select, compare with alternatives, judge."""
-        whole, places, steps, small = self.found()
+        whole = self.found()
         if self.d is None:
             self._weigh(whole.values)
-            whole, places, steps, small = self.found()
-        named, sets = self.told(whole, places)
+            whole = self.found()
+        whole, _ = self.withdrawn(whole)
+        named, sets = self.told(whole)
         fit = self.fit(whole.effects, whole.values, ~self.test)
         found = self._errors(fit)
-        left = None if found.near_floor else self._left(whole)
+        left = self._left(whole) if self.unexplained(whole) else None
         modes = [self._mode(k, whole) for k in range(len(self.runs))]
         return LoopResult(
             verdict_of([*named, *sets], left),
@@ -509,10 +514,9 @@ class ResponseLoop(Moves[ResponseFit]):
             tuple(sets),
             left,
             found,
-            tuple(steps),
-            tuple(small),
+            *self.candidates(whole),
             self._not_testable(),
-            next_steps(named, sets, None),
+            next_steps(named, sets, left),
             {},
             noise=self.noise,
             within_class=self._within_class(whole),
@@ -529,12 +533,14 @@ class ResponseLoop(Moves[ResponseFit]):
         words = [f"{readable(units[name], [fit.values[name]])[1][0]} of the {name}" for name in told]
         return f"an error of {' and '.join(words)}, within what is known of them" if words else ""
 
-    def _peak_Hz(self, what: str, v: Values) -> float:
+    def _peak_Hz(self, what: str, v: behind_inputs.Values) -> float:
         """Where a second mode raises the response the most."""
         near = v[f"{what}_Hz"] * np.geomspace(0.5, 2.0, 2000)
         level = np.interp(near, self.seen[0].frequency_Hz, self.seen[0].acceleration_rad_s2)
         fine = replace(self.seen[0], frequency_Hz=near, acceleration_rad_s2=level, twist=None, over_torque=False)
-        beside, without = (predicted(self.held[0], {**v, **more}, fine)[0] for more in ({}, {f"{what}_Hz": 0.0}))
+        beside, without = (
+            behind_inputs.predicted(self.held[0], {**v, **more}, fine)[0] for more in ({}, {f"{what}_Hz": 0.0})
+        )
         return float(near[np.argmax(np.abs(beside / without))])
 
     def _second_named(self, one: Suspect, fit: ResponseFit, fall_rad: float) -> Named:
@@ -549,7 +555,7 @@ class ResponseLoop(Moves[ResponseFit]):
         physics, look, separate, plain = one.words
         physics = physics.format(own=f"{own:.4g} Hz")
         if self.drive is not None:
-            modes = own_modes_Hz(self.held[0], self.drive)
+            modes = behind_inputs.own_modes_Hz(self.held[0], self.drive)
             same = [f"{one:.4g}" for one in modes if abs(np.log(one / peak)) < np.log(APART)]
             shown = ", ".join(same or [f"{one:.4g}" for one in modes])
             physics += (
@@ -580,7 +586,7 @@ class ResponseLoop(Moves[ResponseFit]):
         first, last = (self.floor_rad * float(np.abs(row).max()) for row in rows)
         sizes = {over: readable("_Nm" if over else "_rad", [size])[1][0] for over, size in self.amplitude.items()}
         of = " and ".join(f"{'torques' if over else 'inputs'} of {size}" for over, size in sizes.items())
-        held = f"every third average; errors of the output for {of} at all frequencies, by their certainty"
+        held = f"every fourth average; errors of the output for {of} at all frequencies, by their certainty"
         return errors_of(self._interval(rows[0]), self._interval(rows[1]), first, last, self.floor_rad, held)
 
     def _interval(self, weighted: Complex) -> Value:
@@ -603,8 +609,8 @@ class ResponseLoop(Moves[ResponseFit]):
         words = ["friction, play, ripple and all that goes with angle or lasts: a response is for small fast motion"]
         if self.d is None:
             return (*words, "only the ratio is known: whether the mode is where it should be")
-        lowest = min(first_mode(held, self.declared, 0.0)[0] for held in self.held)
-        if lowest * INSIDE > self.highest_Hz:
+        lowest = min(behind_inputs.first_mode(held, self.declared, 0.0)[0] for held in self.held)
+        if lowest > self.highest_Hz:
             words.append(
                 f"the first mode of the design, {lowest:.4g} Hz, is not within {self.highest_Hz:.4g} Hz: log faster, "
                 "or let the output turn more inertia"
@@ -621,12 +627,16 @@ class ResponseLoop(Moves[ResponseFit]):
         """The mode of one run, fitted for itself as linear; None where it is not in the band."""
         held, seen = self.held[k], self.seen[k]
         inertia = held.payload_kg_m2 * (1.0 + whole.values.get("inertia", 0.0)) + held.drum_kg_m2
-        amplitude = 0.0
-        for _ in range(SETTLED):
-            frequency = first_mode(held, whole.values, amplitude)[0]
-            now = float(np.interp(frequency, seen.frequency_Hz, carried_Nm(seen, inertia)))
-            amplitude += 0.5 * (now - amplitude)
-        if not seen.frequency_Hz[0] * INSIDE < frequency < seen.frequency_Hz[-1] / INSIDE:
+        carried = behind_inputs.carried_Nm(seen, inertia)
+
+        def beyond(amplitude: float) -> float:
+            return amplitude - float(
+                np.interp(behind_inputs.first_mode(held, whole.values, amplitude)[0], seen.frequency_Hz, carried)
+            )
+
+        amplitude = float(brentq(beyond, 0.0, float(carried.max())))
+        frequency = behind_inputs.first_mode(held, whole.values, amplitude)[0]
+        if not seen.frequency_Hz[0] < frequency < seen.frequency_Hz[-1]:
             return None
         alone = copy(self)
         alone.seen, alone.held, alone.prior = [replace(seen, twist=None)], [held.at(amplitude)], {}
@@ -637,11 +647,11 @@ class ResponseLoop(Moves[ResponseFit]):
         size = "mode" if self.d is None else "inertia"
         free = [one for one in self.library if one.parameter in ("delay", "gain", size)]
 
-        def linear(response: Complex, values: Values) -> tuple[Value, Value]:
+        def linear(response: Complex, values: behind_inputs.Values) -> tuple[Value, Value]:
             """Frequency and damping ratio of a response as that of a linear drive."""
             alone.measured = response
             fit = alone.fit(free, {**values, "loss": 0.1, "softening": 0.0})
-            found, damping = first_mode(alone.held[0], fit.values, amplitude)
+            found, damping = behind_inputs.first_mode(alone.held[0], fit.values, amplitude)
             half = 0.5 * fit.half(size) / (fit.values[size] + (0.0 if self.d is None else 1.0)) * found
             spread = 0.5 * fit.half("loss")
             return (
@@ -654,7 +664,7 @@ class ResponseLoop(Moves[ResponseFit]):
             return mode
         # The design has no damping but that of its wraps, and no second mode.
         no_more = {"viscous_s": 0.0} | {f"{what}_Hz": 0.0 for what in _SECOND}
-        declared, damping = linear(predicted(held, self.declared, seen)[0], {**whole.values, **no_more})
+        declared, damping = linear(behind_inputs.predicted(held, self.declared, seen)[0], {**whole.values, **no_more})
         torque = amplitude if seen.levelled else None
         return replace(mode, torque_Nm=torque, declared_Hz=declared.value, declared_damping=damping.value)
 
@@ -663,7 +673,7 @@ class ResponseLoop(Moves[ResponseFit]):
         # The design has no figure for the damping besides that of the wraps.
         declared = {**self.declared, "loss": whole.values["loss"]}
         for run, seen, held in zip(self.runs, self.seen, self.held, strict=True):
-            before, after = (predicted(held, v, seen)[0] for v in (declared, whole.values))
+            before, after = (behind_inputs.predicted(held, v, seen)[0] for v in (declared, whole.values))
             output = seen.output
             rows = output.value, output.coherence, before, after
             found.append(BodePicture(run.source, seen.frequency_Hz, *rows, seen.over_torque))

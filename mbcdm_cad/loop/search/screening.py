@@ -1,4 +1,4 @@
-"""Candidates for an addition to a fit, each with the fall of the sum of squares by one linear step from its start."""
+"""Candidates for an addition to a fit: what each changes there."""
 
 import os
 from collections.abc import Callable, Sequence
@@ -49,19 +49,17 @@ class Twins:
 
 @dataclass(frozen=True, eq=False)
 class Screened:
-    """A candidate and the fall of the training mean square predicted by a linear step from ``guess``, up to which the
-    prediction changes by ``change``, rad, with the slopes ``columns`` there; a refit begins at ``start``."""
+    """A candidate at ``guess``, up to which the prediction changes by ``change``, rad, with the slopes ``columns``
+    there."""
 
     effect: Effect
-    start: Floats
-    fall: float
     columns: Floats
     change: Floats
     guess: Floats
 
 
 class Screening:
-    """Ranks the candidates of ``library`` as additions to a fit."""
+    """The candidates of ``library`` as additions to a fit."""
 
     def __init__(self, fitter: Fitter, library: Sequence[Effect]) -> None:
         self.fitter, self.library = fitter, tuple(library)
@@ -70,39 +68,25 @@ class Screening:
         self._columns: dict[tuple[Effect, bytes], tuple[Floats, Floats]] = {}
 
     def screen(self, fit: Fit) -> list[Screened]:
-        """All candidates that ``fit`` does not contain, largest predicted fall first."""
+        """All candidates that ``fit`` does not contain, at each of their starts."""
         if self._screened is not None and self._screened[0] is fit:
             return self._screened[1]
-        f = self.fitter
         taken = {e.key for e in fit.effects}
-        basis = self._basis(fit)
-        promises = []
+        tasks = []
         for effect in self.library:
             if effect.key in taken and not effect.several:
                 continue
-            for start in f.guesses(effect, fit.residual):
+            for start in self.fitter.guesses(effect, fit.residual):
                 # An effect that may occur several times is screened as one effect for each start.
                 one = replace(effect) if effect.several else effect
-                promises.append(partial(self._promise, fit, one, np.array(start), basis))
-        found = self._best_starts(sorted(self.twins.each(promises), key=lambda s: -s.fall))
+                tasks.append(partial(self._one, fit, one, np.array(start)))
+        found = [one for one in self.twins.each(tasks) if np.isfinite(one.columns).all()]
         self._screened = fit, found
         return found
 
-    def _basis(self, fit: Fit) -> Floats:
-        """Orthonormal basis of the changes that the parameters of ``fit`` make, on the training samples."""
-        mask = self.fitter.train
-        known = self.fitter.centred_on(mask, fit.jacobian)
-        return np.asarray(np.linalg.qr(known)[0]) if known.shape[1] else np.zeros((int(mask.sum()), 0))
-
-    @staticmethod
-    def _best_starts(found: Sequence[Screened]) -> list[Screened]:
-        """The start with the largest predicted fall, of several starts of one effect that differ in its sizes."""
-        kept: list[Screened] = []
-        for one in found:
-            places = any(p.role != "size" for p in one.effect.parameters)
-            if places or all(one.effect is not other.effect for other in kept):
-                kept.append(one)
-        return kept
+    def _one(self, fit: Fit, effect: Effect, start: Floats, fitter: Fitter) -> Screened:
+        change, columns = self._slopes(fit, effect, start, fitter)
+        return Screened(effect, columns, change, start)
 
     def _slopes(self, fit: Fit, effect: Effect, start: Floats, f: Fitter) -> tuple[Floats, Floats]:
         """The change of the prediction by an effect at ``start``, (n,), and its derivatives there, (n, k), added to
@@ -128,37 +112,6 @@ class Screening:
         if f.kind(effect) < 2 and f.d is not None:
             self._columns[key] = found
         return found
-
-    def _promise(self, fit: Fit, effect: Effect, start: Floats, basis: Floats, fitter: Fitter) -> Screened:
-        change, columns = self._slopes(fit, effect, start, fitter)
-        square, step = self._projected(fit, change, columns, basis)
-        before = float(np.mean(fit.residual[fitter.train] ** 2))
-        return Screened(effect, _begun(effect, start, step), before - square, columns, change, start)
-
-    def _projected(self, fit: Fit, change: Floats, columns: Floats, basis: Floats) -> tuple[float, Floats]:
-        """Mean square after a linear step from ``change`` along ``columns`` added to a fit, and the step."""
-        f, mask = self.fitter, self.fitter.train
-        new = f.centred_on(mask, columns)
-        r = f.centred_on(mask, fit.residual - change)
-        new = new - basis @ (basis.T @ new)
-        r = r - basis @ (basis.T @ r)
-        size = np.linalg.norm(new, axis=0)
-        new = new[:, size > 0.0] / size[size > 0.0]
-        step = np.zeros(size.size)
-        if new.shape[1]:
-            solved = np.linalg.lstsq(new, r, rcond=1e-8)[0]
-            r = r - new @ solved
-            step[size > 0.0] = solved / size[size > 0.0]
-        return float(np.mean(r**2)), step
-
-
-def _begun(effect: Effect, start: Floats, step: Floats) -> Floats:
-    """Values from which a refit begins, after a linear step from ``start``."""
-    low = [p.low for p in effect.parameters]
-    high = [p.high for p in effect.parameters]
-    # Orders and times are only refined by the fit; a linear step would move them out of their minimum.
-    held = np.array([p.low > -np.inf and start[i] != 0.0 for i, p in enumerate(effect.parameters)])
-    return np.asarray(np.clip(np.where(held, start, start + step), low, high))
 
 
 def located(fitter: Fitter, fit: Fit) -> Fit | None:

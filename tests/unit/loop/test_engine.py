@@ -13,8 +13,7 @@ import pytest
 from mbcdm_cad.layouts.loader import layout_of, load_design, load_text
 from mbcdm_cad.loop import effects
 from mbcdm_cad.loop.as_built import as_built_text
-from mbcdm_cad.loop.effect import Effect, Parameter
-from mbcdm_cad.loop.effects.change import time_of_change
+from mbcdm_cad.loop.effect import Effect, Parameter, best_step
 from mbcdm_cad.loop.effects.lash import offer
 from mbcdm_cad.loop.prepare.prepared import Prepared, played, prepare
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator, declared, input_torque_Nm, respond, taken_up
@@ -203,7 +202,7 @@ def test_nothing_has_changed_in_a_run_that_only_drifts(drift: Floats) -> None:
 
 def test_the_time_of_a_change_is_found_beside_what_was_there_before() -> None:
     shape = np.sin(T)
-    assert time_of_change(T, shape, 2.0 * shape + 0.5 * shape * (T > 33.0)) == pytest.approx(33.0, abs=0.1)
+    assert best_step(T, 2.0 * shape + 0.5 * shape * (T > 33.0), shape) == pytest.approx(33.0, abs=0.1)
 
 
 def test_the_design_as_built_has_what_the_drive_has_afterwards() -> None:

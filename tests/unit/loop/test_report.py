@@ -14,7 +14,7 @@ import pytest
 from mbcdm_cad.loop.page.pictures import AFTER, BEFORE, orders_chart, scatter_png, time_charts
 from mbcdm_cad.loop.page.report import report_page
 from mbcdm_cad.loop.readable import Value, readable, share_text
-from mbcdm_cad.loop.result import VERDICTS, Errors, Evidence, LoopResult, Named, Traces, result_text
+from mbcdm_cad.loop.result import VERDICTS, CandidateRow, Errors, LoopResult, Named, Traces, result_text
 from mbcdm_cad.measurement.run import Run, VettingNote, half_sweeps
 from tests.effects_page import page as effects_page
 from tests.support.reference import ROOT
@@ -41,7 +41,7 @@ RESULT = LoopResult(
     (),
     None,
     Errors(Value(9.65e-5, 9.3e-5, 1e-4), Value(4.9e-6, 4.2e-6, 5.6e-6), 2.07e-4, 1.42e-5, 4.4e-6, 0.99, "half sweep 3"),
-    (Evidence("ripple (line in angle)", 5e-6, 1e-7, "given back"),),
+    (CandidateRow("ripple (line in angle)", 5e-6, 1e-7, "given back"),),
     (),
     ("no temperature",),
     ("dial gauge",),
@@ -157,7 +157,7 @@ def test_doubts_stand_right_below_the_finding() -> None:
     places = [page.index(words) for words in ("<h1>", "a&lt;b&gt;.csv: 2 gaps", "What to do next")]
     assert places == sorted(places), places
     lines = result_text(RESULT, ["doubt: 2 gaps"]).splitlines()
-    assert lines[0] == RESULT.sentence and lines[1] == "doubt: 2 gaps", lines[:3]
+    assert lines[:3] == [RESULT.sentence, "verdict: Explained", "doubt: 2 gaps"], lines[:3]
     assert "Doubts" not in words_of(RESULT)
 
 
@@ -167,7 +167,7 @@ def test_a_run_that_lacks_nothing_asks_for_nothing() -> None:
 
 
 def test_what_was_left_out_gets_no_error_that_nobody_took() -> None:
-    left_out = Evidence("lash (play at the output)", 4.9e-6, 2e-7, "too small to name")
+    left_out = CandidateRow("lash (play at the output)", 4.9e-6, 2e-7, "too small to name")
     result = replace(RESULT, small=(left_out,))
     (line,) = (line for line in result_text(result).splitlines() if line.startswith("lash"))
     assert line.split("(play at the output)")[1].split() == ["0.2", "too", "small", "to", "name"], line
