@@ -3,7 +3,7 @@
 from dataclasses import astuple
 from typing import Any
 
-from benchmarks.judge import PAGE, TABLE, key_of, page, part_of, worse
+from benchmarks.judge import FRESH, PAGE, TABLE, key_of, page, part_of, worse
 from benchmarks.judge_cases import cases
 from benchmarks.study import read_rows
 
@@ -18,7 +18,7 @@ def test_table_and_page_are_of_the_cases() -> None:
     known, table = cases(), read_rows(TABLE)
     judged = {key_of(row) for row in table}
     assert [key_of(row) for row in table] == [astuple(case) for case in known if astuple(case) in judged]
-    assert PAGE.read_text("utf-8") == page(table), "python -m benchmarks.judge --page"
+    assert PAGE.read_text("utf-8") == page(table, read_rows(FRESH)), "python -m benchmarks.judge --page"
     assert {f"{case.source} {case.kind}" for case in part_of(known)} == {f"{c.source} {c.kind}" for c in known}
 
 
