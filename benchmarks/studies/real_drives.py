@@ -16,12 +16,12 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.studies.clustered import Estimate, cluster_estimate
+from benchmarks.study import ROOT
 from mbcdm_cad.loop.effects.friction import CONSTANT, LOAD, VISCOUS, bases
 from mbcdm_cad.measurement.file import load_file
 from mbcdm_cad.measurement.reading import read_run
 from mbcdm_cad.measurement.run import Run, half_sweeps, smoothed
 
-ROOT = Path(__file__).resolve().parents[1]
 DATA = Path(os.environ.get("MBCDM_SHARED_DATA", ROOT.parent / "shared" / "data")) / "davinci"
 MAPPINGS = ROOT / "params" / "measurements" / "davinci"
 GEARBOX = (
