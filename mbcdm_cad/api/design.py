@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.layouts.registry import layout_of
 
 if TYPE_CHECKING:
     import cadquery
@@ -93,11 +92,10 @@ class DriveDesign:
         the report then has the preloads found and the turns of the nuts. Raises ``MbcdmError`` for a log that does
         not do.
         """
-        from mbcdm_cad.jobs.outputs import write_preload
-        from mbcdm_cad.report.preload import preload_report
+        from mbcdm_cad.jobs.outputs import preload_of
 
-        report = preload_report(layout_of(self.drive), [(name, Path(path)) for name, path in (logs or {}).items()])
-        return report if out is None else write_preload(self.loaded, report, Path(out))
+        paths = {name: Path(path) for name, path in (logs or {}).items()}
+        return preload_of(self.loaded, paths, None if out is None else Path(out))
 
     def explain(self, field: str | None = None) -> Explanation:
         """Why fields have their values, as ``mbcdm explain``: all that have a sizing rule, or one by its dotted name.

@@ -16,6 +16,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from threadpoolctl import threadpool_limits
 
 from mbcdm_cad.design.drive import Drive
@@ -24,7 +25,10 @@ from mbcdm_cad.design.template import slug
 from mbcdm_cad.design.yamltree import parse
 from mbcdm_cad.errors import InputError, MbcdmError, OutputError, Problem
 from mbcdm_cad.layouts.registry import layout_of
+from mbcdm_cad.measurement.datafile import read_table
 from mbcdm_cad.measurement.file import describes_runs, load_file
+from mbcdm_cad.measurement.kinds import LEAST_TRAVEL_RAD
+from mbcdm_cad.measurement.logformat import find_format, wrong
 from mbcdm_cad.measurement.reading import load_measurement
 from mbcdm_cad.measurement.vet import vetted_runs
 from mbcdm_cad.model.si import ModelError
@@ -36,6 +40,7 @@ from mbcdm_cad.planning.best_run import BestRun, best_run, run_of
 from mbcdm_cad.planning.plan import RunPlan, noise_from, plan_of
 from mbcdm_cad.report.table import TextReport
 from mbcdm_cad.rig.experiment import DynamicExperiment, Experiment, read_bench, read_experiment
+from mbcdm_cad.routes import Floats
 from mbcdm_cad.solving.question import Question, question_of
 from mbcdm_cad.storage.cache import Cache, code_hash, content_key
 from mbcdm_cad.storage.folders import (
@@ -57,7 +62,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Written:
+class Written(TextReport):
     """Files that were written: their ``folder``, all of them by path, and ``words`` about them."""
 
     folder: Path
@@ -68,24 +73,49 @@ class Written:
         """What the command prints."""
         return self.words
 
-    def __str__(self) -> str:
-        """As :meth:`text`."""
-        return self.words
-
 
 def _written(loaded: LoadedDesign, folder: Path, files: Mapping[str, bytes], words: str) -> Written:
     write_from(loaded.path, folder, files)
     return Written(folder, tuple(folder / name for name in files), f"{folder}: {words}")
 
 
-def write_preload(loaded: LoadedDesign, report: PreloadReport, out: Path) -> PreloadReport:
-    """Write the files of the procedure that measures the preloads; a report without ramps writes none."""
-    made = report.files()
-    if not made:
+def preload_of(loaded: LoadedDesign, logs: Mapping[str, Path], out: Path | None) -> PreloadReport:
+    """The report of the preload, and with ``out`` the files of the procedure; a report without ramps has none.
+
+    ``logs``: files of measured ramps by input. Raises ``MbcdmError`` for a log that does not do.
+    """
+    from mbcdm_cad.report.preload import preload_report
+
+    report = preload_report(layout_of(loaded.drive), logs, _read_log)
+    made = {} if out is None else report.files()
+    if out is None or not made:
         return report
     folder = out / f"{loaded.drive.name}-preload"
     refuse_other_origin(folder, loaded.path)
     return replace(report, folder=_written(loaded, folder, made, "").folder)
+
+
+def _read_log(path: Path) -> tuple[Floats, Floats, bool]:
+    """Angles and torques of a log, and whether they are the motor's: a table with ``angle_rad`` and a torque's column.
+
+    It is read as ``mbcdm loop`` reads a run. Raises ``MbcdmError``, also where nothing moves.
+    """
+    from mbcdm_cad.report.preload import AT_MOTOR, HEAD
+
+    try:
+        layout = find_format(path, "auto", "point", "#", 0, "auto")
+        at_motor = AT_MOTOR in layout.names and "torque_Nm" not in layout.names
+        head = ("angle_rad", AT_MOTOR) if at_motor else HEAD
+        if missing := [name for name in head if name not in layout.names]:
+            what = f"no column {missing[0]}; columns: {', '.join(layout.names or ('none',))}"
+            raise wrong(path, layout.header_line or 1, what, f"name them angle_rad and torque_Nm or {AT_MOTOR}")
+        table = read_table(path, layout, [layout.names.index(name) for name in head], skip_broken=False).values
+    except OSError as error:
+        raise MbcdmError(f"{path}: cannot be read: {error.strerror}") from None
+    for name, values in zip(head, table, strict=True):
+        if not np.ptp(values) > LEAST_TRAVEL_RAD:  # far below what a ramp turns, rad, or takes, N m
+            raise wrong(path, layout.begin_line, f"{name} does not change", "log it while the input turns to the knee")
+    return table[0], table[1], at_motor
 
 
 def write_drawings(

@@ -214,7 +214,8 @@ def knees_Nm(held: HeldDrive, index: int) -> tuple[float, float]:
 def fitted(held: HeldDrive, index: int, angle_rad: Floats, measured_Nm: Floats, noise: SampleNoise) -> MeasuredPreloads:
     """Preloads from ramps both ways, samples in the order of time, with or without the way back.
 
-    Raises ``ModelError`` for fewer than 8 samples on the way out or where the fit does not end.
+    Raises ``ModelError`` for fewer than 8 samples on the way out, and where a preload does not follow from them: the
+    fit does not end, or its standard deviation is as large as the preload.
     """
     angle, torque = np.asarray(angle_rad, float), np.asarray(measured_Nm, float)
     if angle.size < 8 or angle.size != torque.size:
@@ -239,21 +240,27 @@ def fitted(held: HeldDrive, index: int, angle_rad: Floats, measured_Nm: Floats, 
             sure = 1.0 / (noise.torque_Nm**2 + (_MEAN_SHARE * means) ** 2)
             hessian = hessian + (at_turns * sure) @ at_turns.T
             pull = pull + (at_turns * sure) @ (means - now.mean_of_Nm(index, turns, now.tensions_N(index, turns)))
-        step = np.linalg.solve(hessian, pull)
+        try:
+            step = np.linalg.solve(hessian, pull)
+        except np.linalg.LinAlgError:
+            break
         size = float(np.abs(step).max())
         x = x + np.clip(step, -0.5, 0.5)
         if size < 1e-6:
             break
-    if not size < 1e-3:
-        name = held.d.input_names[index]
-        raise ModelError(f"the preloads of input {name} do not follow from this ramp; see docs/preload.md")
-    covariance = np.linalg.inv(hessian)
+    # Of the logarithms of the preloads.
+    spread = np.sqrt(np.diag(np.linalg.inv(hessian))[: len(own)]) if size < 1e-3 else np.full(len(own), np.inf)
+    if not spread.max() < 1.0:
+        raise ModelError(
+            f"the preloads of input {held.d.input_names[index]} do not follow from this ramp (standard deviation "
+            f"{spread.max():.2g} of the preload, limit 1): turn it beyond the knee at both stops; see docs/preload.md"
+        )
     preload = held.d.preload_N[own] * np.exp(x[: len(own)])
     stiffness, wraps, rubbing, _, gearhead = x[len(own) :]
     return MeasuredPreloads(
         tuple(own),
         preload,
-        preload * np.sqrt(np.diag(covariance)[: len(own)]),
+        preload * spread,
         float(np.exp(stiffness)),
         float(np.exp(wraps)),
         float(np.exp(rubbing)),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from importlib.resources import files
 from pathlib import Path
@@ -22,9 +22,9 @@ from mbcdm_cad.report.table import TextReport, rendered, terminal_lines
 if TYPE_CHECKING:
     from mbcdm_cad.model.preload_ramp import MeasuredPreloads, Ramp
 
-_HEAD = ("angle_rad", "torque_Nm")
+HEAD = ("angle_rad", "torque_Nm")
 # Column of a log that has the motor's torque, current times torque constant, in place of that on the input's shaft.
-_AT_MOTOR = "motor_torque_Nm"
+AT_MOTOR = "motor_torque_Nm"
 
 
 def preload_shown(found: Mapping[str, Any] | None) -> dict[str, Any] | None:
@@ -153,47 +153,19 @@ def _curve(ramp: Ramp, at_motor: Ramp, ratio: float) -> bytes:
     """The way out of one input as CSV: torque on its shaft and at the motor, each with its standard deviation."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow((*_HEAD, "sigma_Nm", _AT_MOTOR, "motor_sigma_Nm"))
+    writer.writerow((*HEAD, "sigma_Nm", AT_MOTOR, "motor_sigma_Nm"))
     motor = at_motor.torque_Nm / ratio, at_motor.sigma_Nm / ratio
     for row in zip(ramp.angle_rad, ramp.torque_Nm, ramp.sigma_Nm, *motor, strict=True):
         writer.writerow([f"{value:.6g}" for value in row])
     return text.getvalue().encode("utf-8")
 
 
-def read_log(path: Path) -> tuple[np.ndarray, np.ndarray, bool]:
-    """Angles and torques of a log, and whether they are the motor's: a CSV with ``angle_rad`` and a column of torque.
-
-    Raises ``MbcdmError``.
-    """
-    try:
-        with open(path, encoding="utf-8", newline="") as file:
-            reader = csv.DictReader(file)
-            columns = reader.fieldnames or ()
-            at_motor = _AT_MOTOR in columns and "torque_Nm" not in columns
-            head = ("angle_rad", _AT_MOTOR) if at_motor else _HEAD
-            missing = [name for name in head if name not in columns]
-            if missing:
-                found = ", ".join(columns or ("none",))
-                raise MbcdmError(
-                    f"{path}:1: no column {missing[0]}; columns: {found}; name them angle_rad and torque_Nm or "
-                    f"{_AT_MOTOR}"
-                )
-            rows = []
-            for row in reader:
-                try:
-                    rows.append([float(row[name]) for name in head])
-                except (TypeError, ValueError):
-                    raise MbcdmError(
-                        f"{path}:{reader.line_num}: not a number; write plain figures in rad and N m"
-                    ) from None
-    except OSError as error:
-        raise MbcdmError(f"{path}: cannot be read: {error.strerror}") from None
-    table = np.array(rows, dtype=float).reshape(-1, 2)
-    return table[:, 0], table[:, 1], at_motor
+# Angles and torques of the log in a file, and whether they are the motor's.
+ReadLog = Callable[[Path], tuple[np.ndarray, np.ndarray, bool]]
 
 
-def preload_report(layout: Layout, logs: Sequence[tuple[str, Path]] = ()) -> PreloadReport:
-    """The report; ``logs``: (input, file) of measured ramps. Raises ``MbcdmError`` for a log that does not do."""
+def preload_report(layout: Layout, logs: Mapping[str, Path], read_log: ReadLog) -> PreloadReport:
+    """The report; ``logs``: files of measured ramps by input. Raises ``MbcdmError`` for a log that does not do."""
     try:
         rule = preload.preload_rule(layout)
     except NoFigureError as missing:
@@ -207,7 +179,7 @@ def preload_report(layout: Layout, logs: Sequence[tuple[str, Path]] = ()) -> Pre
     except NoFigureError as missing:
         reason = str(missing)
     found = []
-    for input_name, path in logs:
+    for input_name, path in logs.items():
         if reason:
             raise MbcdmError(f"{path}: no ramps to compare with: {reason}")
         try:

@@ -212,7 +212,14 @@ def test_bad_logs_are_refused_with_file_and_line(design: mc.DriveDesign, tmp_pat
     with pytest.raises(mc.MbcdmError, match=r"log.csv:1: no column angle_rad"):
         design.preload(logs={"left": path})
     path.write_text("angle_rad,torque_Nm\n0,1\nx,2\n")
-    with pytest.raises(mc.MbcdmError, match=r"log.csv:3: not a number"):
+    with pytest.raises(mc.MbcdmError, match=r"log.csv:3: no number in 'angle_rad'"):
+        design.preload(logs={"left": path})
+    path.write_text("angle_rad,torque_Nm\n" + 300 * "0.1,0.1\n")
+    with pytest.raises(mc.MbcdmError, match="angle_rad does not change"):
+        design.preload(logs={"left": path})
+    # A straight line has no knee: the preloads are known to many times themselves only, and give no turns of nuts.
+    path.write_text("angle_rad,torque_Nm\n" + "".join(f"{0.01 * k},{0.1 * k}\n" for k in range(200)))
+    with pytest.raises(mc.MbcdmError, match="do not follow from this ramp"):
         design.preload(logs={"left": path})
     with pytest.raises(mc.MbcdmError, match="no input middle"):
         design.preload(logs={"middle": log_of(design, path, [1.0] * 4)})
