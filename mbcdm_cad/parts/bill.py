@@ -130,9 +130,14 @@ def _exact_cos_sin(angle_deg: float) -> tuple[float, float]:
 
 # Turns parts that are drawn along +Z to +Y, to -Y and to -Z.
 ALONG_Y, AGAINST_Y, UPSIDE_DOWN = (Placement.about((1.0, 0.0, 0.0), angle_deg) for angle_deg in (-90.0, 90.0, 180.0))
-# Names are used as file stems, STEP products and nodes of the GLB, so only characters valid in all three are allowed.
-# Long enough for a name of the design file (64) with a word before and a number after it.
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,95}")
+# File stems, STEP products and nodes of the GLB; long enough for an entry (128, as below) and a cable (64) in one name.
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,219}")
+
+
+def entry_stem(kind: str, name: str) -> str:
+    """Part of a catalogue entry, such as bearing_618-4 of 618/4: no other entry of the kind has the same."""
+    signs = {"/": "_-", "+": "_P", "_": "__"} | ({"/": "-", "-": "_-"} if kind == "bearing" else {})
+    return f"{kind}_{''.join(signs.get(sign, sign) for sign in name)}"
 
 
 @dataclass(frozen=True)
@@ -316,16 +321,15 @@ class BillBuilder:
 
     def screw(self, name: str, screw: Screw, material: Material, place: Placement, group: str = FIXED) -> None:
         """A screw of the catalogue."""
-        self._bought(name, ScrewBody(screw), f"screw_{screw.name}", material, place, group)
+        self._bought(name, ScrewBody(screw), entry_stem("screw", screw.name), material, place, group)
 
     def insert(self, name: str, insert: InsertSpec, brass: Material, place: Placement, group: str = FIXED) -> None:
         """A heat-set insert of the catalogue, below z = 0 of its place."""
-        self._bought(name, InsertBody(insert), f"insert_{insert.name}", brass, place, group)
+        self._bought(name, InsertBody(insert), entry_stem("insert", insert.name), brass, place, group)
 
     def bearing(self, name: str, bearing: Bearing, material: Material, place: Placement, group: str = FIXED) -> None:
         """A bearing of the catalogue."""
-        stem = "bearing_" + bearing.name.replace("/", "-")
-        self._bought(name, BearingBody(bearing), stem, material, place, group)
+        self._bought(name, BearingBody(bearing), entry_stem("bearing", bearing.name), material, place, group)
 
     def _bought(self, name: str, body: _Body, stem: str, material: Material, place: Placement, group: str) -> None:
         self.add(name, body, part=stem, material=material, group=group, place=place, mass_g=body.entry.mass_g)

@@ -6,7 +6,7 @@ from math import atan2, cos, degrees, pi, radians, sin
 from typing import Any
 
 from mbcdm_cad.design.bought import Screw
-from mbcdm_cad.parts.bill import AGAINST_Y, ALONG_Y, BillBuilder, Placement, cable_item
+from mbcdm_cad.parts.bill import AGAINST_Y, ALONG_Y, BillBuilder, Placement, cable_item, entry_stem
 from mbcdm_cad.parts.bodies import CableRod, RingEncoderBody, WaveSpring
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
 from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, DrumDims
@@ -133,7 +133,7 @@ def add_springs(b: BillBuilder, drive: SectorDrive, t: Tensioner, along: Callabl
         b.add(
             f"spring_{t.cable_name}_{n + 1}",
             body,
-            part=f"spring_{spring.name}_{t.cable_name}",
+            part=f"{entry_stem('spring', spring.name)}_{t.cable_name}",
             material=drive.material(spring.material),
             group="drum",
             place=at @ Placement.about((1.0, 0.0, 0.0), 180.0) if turned else at,

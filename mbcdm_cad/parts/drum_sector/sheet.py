@@ -225,7 +225,7 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> sheet.Sheet:
     turned = _turned(d)
     lands = [(0.0, (start + end) / 2, radius) for _, radius, start, end in turned]
     labels = [
-        sheet.Label(_REAR, (*_at(t.at(t.lug_end)),), f"T{n}", clear_mm=2.0, leader=True)
+        sheet.Label(_REAR, (t.at(t.lug_end)[0], 0.0, t.at(t.lug_end)[1]), f"T{n}", clear_mm=2.0, leader=True)
         for n, t in enumerate(d.tensioners, 1)
     ]
     labels += [
@@ -300,7 +300,3 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> sheet.Sheet:
             "Q: two set screws at 45 and 135 degrees from Z.",
         ),
     )
-
-
-def _at(xz: tuple[float, float]) -> sheet.Vector:
-    return (xz[0], 0.0, xz[1])

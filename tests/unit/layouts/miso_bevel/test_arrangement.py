@@ -1,19 +1,22 @@
 """Arrangement of the motors: setback of the input axes, gearheads with two to four screws; the bill of the parts."""
 
+import re
 from collections import Counter
 from dataclasses import replace
+from itertools import product
 from math import atan2, hypot, radians
 
 import numpy as np
 import pytest
 
+from mbcdm_cad.design.fields import ENTRY_NAME
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, bevel
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.routes import GUIDE, routed
-from mbcdm_cad.parts.bill import Item, cable_item, sorted_items
+from mbcdm_cad.parts.bill import Item, cable_item, entry_stem, sorted_items
 from mbcdm_cad.parts.bodies import screw_places
 from mbcdm_cad.parts.fits import limits
 from mbcdm_cad.parts.input_pulley.part import InputPulley
@@ -226,6 +229,19 @@ def test_the_sheet_of_a_grooved_pulley_gives_grooves_as_a_table(reference: Bevel
     bands = {f.nominal_mm: limits(f.nominal_mm, f.code).upper_mm / 2 for f in sheet.fits if f.what.startswith("root")}
     counted = {round(2 * r - drive.cable.diameter_mm, 6): land_band_mm(drive, r, "pulley") for r in radii}
     assert bands == pytest.approx(counted), "the sheet's roots and what the model counts"
+
+
+@pytest.mark.parametrize("kind", ["bearing", "screw"])
+def test_every_name_that_the_schema_allows_is_a_part_of_its_own(kind: str, dims: BevelLayout) -> None:
+    allowed = [chr(k) for k in range(128) if re.fullmatch(ENTRY_NAME, f"a{chr(k)}")]
+    signs = [sign for sign in allowed if not sign.isalnum()] + ["P"]
+    names = ["".join(name) for name in product("a", *([signs] * 4))] + ["618/4", "9" * 64, "9" + 63 * "/"]
+    stems = {entry_stem(kind, name) for name in names}
+    assert len(stems) == len(names)
+    assert (entry_stem("bearing", "618/4"), entry_stem("screw", "M2x3-set")) == ("bearing_618-4", "screw_M2x3-set")
+    item = bill(dims).items[0]
+    for stem in stems:  # as a file's name
+        sorted_items([replace(item, part=stem)], {stem})
 
 
 def test_counts_of_what_comes_more_than_once(dims: BevelLayout) -> None:
