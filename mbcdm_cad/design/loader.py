@@ -260,21 +260,20 @@ def _with_blocks(tree: Tree, path: str, file: DesignFile) -> dict[str, Any]:
 
 
 def _has_gaps(tree: Tree, path: str, file: DesignFile) -> bool:
-    """Whether fields are missing. Raises InputError if given fields are invalid, or items of a list lack a field."""
-    filled = {name: value for name, value in tree.data.items() if value is not None or not _may_be_left_out(name, file)}
+    """Whether fields are left to rules. Raises InputError if one is invalid, or an item of a list lacks a field."""
+    blocks = {name for name, field in file.schema.model_fields.items() if is_block(field.annotation)}
     try:
-        file.schema.model_validate(filled)
+        design = file.schema.model_validate({k: v for k, v in tree.data.items() if v is not None or k not in blocks})
     except ValidationError as error:
         problems = schema_problems(error, tree, path, file.node_at, wanted=_is_wrong)
         if problems:
             raise InputError(problems) from None
         return True
-    return False
-
-
-def _may_be_left_out(name: str, file: DesignFile) -> bool:
-    block = file.schema.model_fields.get(name)
-    return block is not None and is_block(block.annotation)
+    stage = design.stage  # whose values no schema demands: they depend on its kind
+    if stage is None:
+        return False
+    own = (stage.belt, stage.belt_teeth) if stage.kind == "belt" else (stage.module_mm,)
+    return None in (stage.ratio, stage.driver_teeth, stage.width_mm, *own)
 
 
 def _is_wrong(item: Any) -> bool:
