@@ -1,21 +1,22 @@
 """The search: generation after generation of every layout until the front stands or a limit is reached; its file.
 
-Lines are only added. A line that a kill cut off is removed when the search goes on.
+Lines are only added, each with a hash of itself and all before it. A search goes on from the last line before the first
+that a kill cut off, or that anything else changed.
 
 Which points are evaluated, and in which order, follows from the request alone; the journal has their results in this
 order. A search that goes on asks the engine again from the start and takes from the journal what it has.
 """
 
+import hashlib
 import json
 import os
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 import filelock
 import numpy as np
@@ -45,7 +46,7 @@ def sole_search(path: Path) -> Iterator[None]:
         raise OutputError(f"{path}: cannot write: {error.strerror or error}; choose another --out") from error
 
 
-class Journal:
+class Journal(AbstractContextManager["Journal"]):
     """The records of one search, read from its file and added to it. ``request``: all that its results depend on."""
 
     def __init__(self, path: Path, request: Mapping[str, Any], *, resume: bool) -> None:
@@ -56,33 +57,51 @@ class Journal:
         """
         self.path = path
         self.records: list[Record] = []
+        self._chain, self._size = b"", 0
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            lines = path.read_bytes().splitlines(keepends=True) if path.exists() else []
-            whole = [line for line in lines if line.endswith(b"\n")]
-            if whole and not resume:
+            content = path.read_bytes() if path.exists() else b""
+            found = list(self._good(content))
+            if b"\n" in content and not found:
+                raise OutputError(f"{path}: damaged, or of another version of this program; remove it and begin anew")
+            if found and not resume:
                 raise OutputError(
-                    f"{path}: there are {len(whole) - 1} evaluated points of a search before; add --resume to go on "
+                    f"{path}: there are {len(found) - 1} evaluated points of a search before; add --resume to go on "
                     "with it, or remove the file to begin anew"
                 )
-            if whole:
+            if found:
                 asked = json.loads(json.dumps(request))
-                differ = [name for name in asked if json.loads(whole[0]).get(name) != asked[name]]
+                differ = [name for name in asked if found[0].get(name) != asked[name]]
                 if differ:
                     raise OutputError(
                         f"{self.path}: belongs to a search with another {', '.join(differ)}; remove it, or choose "
                         "another folder with --out"
                     )
-                self.records = [json.loads(line) for line in whole[1:]]
+                self.records = found[1:]
             # Without a buffer, so that what a call has written is with the system even if this process is killed.
             self._file = open(path, "ab", buffering=0)  # noqa: SIM115 - closed by __exit__
-            self._file.truncate(sum(map(len, whole)))
+            self._file.truncate(self._size)
             # Written with the first record: a request that turns out to be wrong begins no search.
-            self._head: tuple[Record, ...] = () if whole else (dict(request),)
+            self._head: tuple[Record, ...] = () if found else (dict(request),)
         except OSError as error:
             raise self._refused(error) from error
-        except ValueError as error:
-            raise OutputError(f"{path}: damaged ({error}); remove it and begin anew") from None
+
+    def _good(self, content: bytes) -> Iterator[Record]:
+        """The contents of the lines before the first that is not as it was written."""
+        for line in content.splitlines(keepends=True):
+            try:
+                record = json.loads(line)["record"]
+                if line != self._sealed(record):
+                    return
+            except (ValueError, LookupError, TypeError, RecursionError):
+                return
+            self._chain, self._size = line, self._size + len(line)
+            yield record
+
+    def _sealed(self, content: Record) -> bytes:
+        """The next line: the content with a hash of it and of the line before, which has that of all before."""
+        record = json.dumps(content, separators=(",", ":"), allow_nan=False).encode()
+        return b'{"sha256":"%s","record":%s}\n' % (hashlib.sha256(self._chain + record).hexdigest().encode(), record)
 
     def add(self, record: Record) -> None:
         """Add one record. Raises ``OutputError`` if the system refuses, such as for a full disk."""
@@ -102,23 +121,18 @@ class Journal:
             raise self._refused(error) from error
 
     def _write(self, content: Record) -> None:
-        line = json.dumps(content, separators=(",", ":"), allow_nan=False).encode() + b"\n"
+        line = self._sealed(content)
         written = self._file.write(line)
         while written < len(line):  # a full disk takes a part, then refuses with a reason
             written += self._file.write(line[written:])
+        self._chain = line
 
     def _refused(self, error: OSError) -> OutputError:
         return OutputError(
             f"{self.path}: cannot write: {error.strerror or error}; make room or rights, then go on with --resume"
         )
 
-    def __enter__(self) -> Self:
-        """The journal itself."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Close the file."""
         self._file.close()
 
@@ -189,28 +203,19 @@ class _Evaluation:
         return evaluate(self.questions[which], point_of(self.variables[which], values), self.keeps, self.names)
 
 
+@dataclass
 class FrontSearch:
     """A search over ``questions`` with their ``variables``."""
 
-    def __init__(
-        self,
-        questions: Sequence[Question],
-        variables: Sequence[Sequence[Variable]],
-        wishes: Wishes,
-        journal: Journal,
-        told: Told,
-    ) -> None:
-        self.questions, self.variables, self.wishes, self.journal, self.told = (
-            questions,
-            variables,
-            wishes,
-            journal,
-            told,
-        )
-        self.tried: list[TriedPoint] = []
-        self._known: dict[tuple[int, Any], int] = {}
-        self._fronts: list[tuple[int, list[int]]] = []
-        self._grown: float | None = None
+    questions: Sequence[Question]
+    variables: Sequence[Sequence[Variable]]
+    wishes: Wishes
+    journal: Journal
+    told: Told
+    tried: list[TriedPoint] = field(default_factory=list)
+    _known: dict[tuple[int, Any], int] = field(default_factory=dict)
+    _fronts: list[tuple[int, list[int]]] = field(default_factory=list)
+    _grown: float | None = None
 
     def run(self, effort: Effort) -> Searched:
         """FrontSearch until the front no longer grows, a limit is reached, or the keyboard interrupts."""

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import product
-from math import exp, log, prod
+from math import exp, isfinite, log, prod
 from typing import Any
 
 import numpy as np
@@ -146,6 +146,23 @@ def over_tolerances(wishes: Sequence[str]) -> tuple[str, ...]:
     return tuple(found)
 
 
+def _number(text: str) -> float | None:
+    """The finite number of a text; None for another text."""
+    with suppress(ValueError):
+        number = float(text)
+        return number if isfinite(number) else None
+    return None
+
+
+def _value(text: str) -> Any:
+    """A value as in a design file; None for a text that is none."""
+    import yaml  # the package's own import brings this file, and should be fast
+
+    with suppress(yaml.YAMLError, ValueError):
+        return yaml.safe_load(text)
+    return None
+
+
 def _aim(text: str) -> Aim:
     figure, _, sense = text.partition(":")
     if sense not in SENSES or not figure:
@@ -155,11 +172,9 @@ def _aim(text: str) -> Aim:
 
 def _keep(text: str) -> Keep:
     found = re.fullmatch(r"([^:]+):(>=|<=)(.+)", text.replace(" ", ""))
-    try:
-        if found is not None:
-            return Keep(found[1], 1 if found[2] == ">=" else -1, float(found[3]))
-    except ValueError:
-        pass
+    limit = _number(found[3]) if found is not None else None
+    if found is not None and limit is not None:
+        return Keep(found[1], 1 if found[2] == ">=" else -1, limit)
     raise MbcdmError(
         f"--keep: not a figure with a limit (value {text}, limit FIGURE:>=NUMBER or FIGURE:<=NUMBER); write "
         "torque_to_weight_Nm_kg:>=9, say"
@@ -170,16 +185,13 @@ def _freed(text: str) -> Freed:
     field, _, given = text.partition("=")
     span = re.fullmatch(r"(\S+)\.\.(\S+)", given)
     if span is not None:
-        try:
-            low, high = float(span[1]), float(span[2])
-        except ValueError:
-            low = high = 0.0
-        if low < high:
+        low, high = map(_number, span.groups())
+        if low is not None and high is not None and low < high:
             return Freed(field, (), low, high)
     elif field and given:
-        import yaml  # the package's own import brings this file, and should be fast
-
-        return Freed(field, tuple(yaml.safe_load(value) for value in given.split(",")))
+        values = tuple(map(_value, given.split(",")))
+        if all(isinstance(value, bool | int | float | str) for value in values):
+            return Freed(field, values)
     raise MbcdmError(
         f"--free: not a field with values (value {text}, limit FIELD=A,B,... or FIELD=LOW..HIGH); write "
         "drum.material=aluminium-7075,pa12, say"

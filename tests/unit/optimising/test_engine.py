@@ -335,7 +335,13 @@ def test_wishes_are_read_from_their_texts() -> None:
         (["mass_g:min"], ["torque_Nm:3"], [], "value torque_Nm:3, limit FIGURE:>=NUMBER"),
         (["mass_g:min"], ["torque_Nm:>=three"], [], "value torque_Nm:>=three"),
         (["mass_g:min"], [], ["rope.preload_N"], "value rope.preload_N, limit FIELD=A,B"),
+        (["mass_g:min"], ["torque_Nm:>=nan"], [], "value torque_Nm:>=nan"),
         (["mass_g:min"], [], ["rope.preload_N=90..30"], "value rope.preload_N=90..30"),
+        (["mass_g:min"], [], ["rope.preload_N=3..inf"], "value rope.preload_N=3..inf"),
+        *(
+            (["mass_g:min"], [], [f"drum.material={sign}"], "not a field with values")
+            for sign in ("@", "[1", "*a", "{a: {b", "!!python/object/apply:os.system [echo]", "2020-13-45", "~", "- a")
+        ),
     ],
 )
 def test_what_is_no_wish_is_refused(aims: list[str], keeps: list[str], free: list[str], words: str) -> None:

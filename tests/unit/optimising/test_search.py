@@ -3,6 +3,7 @@
 import errno
 import hashlib
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -142,12 +143,26 @@ def test_a_journal_is_neither_lost_nor_mixed_up(tmp_path: Path) -> None:
         Journal(tmp_path / "a.jsonl", {"request": 1}, resume=True)
 
 
+@pytest.mark.parametrize("other", [b"9", b"\0", b'[]\n{"sha256":"0","record":{}}\n', b"[" * 9999], ids=len)
+def test_what_stands_behind_a_changed_byte_is_found_anew(tmp_path: Path, other: bytes) -> None:
+    searched(tmp_path / "whole.jsonl", 50)
+    content = (tmp_path / "whole.jsonl").read_bytes()
+    digit = re.compile(rb"\d+\.").search(content, content.rindex(b'"mass":'))
+    assert digit is not None
+    (tmp_path / "a.jsonl").write_bytes(content[: digit.start()] + other + content[digit.start() + 1 :])
+    with Journal(tmp_path / "a.jsonl", {"request": 1}, resume=True) as journal:
+        assert len(journal.records) == content[: digit.start()].count(b"\n") - 1
+    searched(tmp_path / "a.jsonl", 50, resume=True)
+    assert (tmp_path / "a.jsonl").read_bytes() == content
+
+
 def test_what_is_refused_is_refused_before_any_file_is_sized(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     drive, path = mc.new_design("drive", "siso_spur"), tmp_path / "drive-optimum.jsonl"
     with pytest.raises(MbcdmError, match="no such figure"):
         mc.optimise(drive, ["mass_kg:min"], tmp_path)
     assert not path.read_bytes(), "a request that is wrong begins no search"
-    path.write_text('{"files":[]}\n')
+    with Journal(path, {"files": []}, resume=False) as journal:
+        journal.add({})
     monkeypatch.setattr(job, "question_of", lambda *_: pytest.fail("a file is sized"))
     for resume, words in ((True, "another files, aims"), (False, "add --resume")):
         with pytest.raises(OutputError, match=words):
