@@ -239,11 +239,14 @@ def schema_page(configuration: str | None = None, *, measurement: bool = False) 
     return reference_page(design_file(configuration or DEFAULT).nodes)
 
 
-def doctor() -> Machine:
-    """Which programs and libraries this machine has, as ``mbcdm doctor``; takes some seconds."""
+def doctor(*, cache: bool = False) -> Machine:
+    """Which programs and libraries this machine has, as ``mbcdm doctor``; takes some seconds.
+
+    With ``cache`` every entry of the cache is read, and broken ones are removed.
+    """
     from mbcdm_cad.report.catalogue_list import examine
 
-    return examine()
+    return examine(verify=cache)
 
 
 @dataclass(frozen=True, eq=False)

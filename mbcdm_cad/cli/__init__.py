@@ -1,11 +1,15 @@
 """The command line: parses arguments, runs a command, and turns errors into a message and an exit code.
 
-Exit codes: 0 done, 1 a check failed, 2 bad input or a fault that you can correct, 130 interrupted, 141 output closed.
+Exit codes: 0 done, 1 a check failed, 2 bad input or a fault that you can correct, 70 a fault of the program, 130
+interrupted, 141 output closed.
 """
 
 import gc
 import os
+import shlex
 import sys
+import tempfile
+import traceback
 from collections.abc import Sequence
 
 import click
@@ -14,6 +18,7 @@ from mbcdm_cad.cli import commands_on_designs, commands_on_runs, commands_that_d
 from mbcdm_cad.cli.group import mbcdm
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.parallel.forks import allow_processes
+from mbcdm_cad.storage.folders import versions
 
 # Variable that the start file of a shell sets for completion; see docs/command-line.md.
 COMPLETE_VARIABLE = "_MBCDM_COMPLETE"
@@ -58,4 +63,19 @@ def run(arguments: Sequence[str]) -> int:
     except (KeyboardInterrupt, click.Abort):
         click.echo("interrupted", err=True)
         return 130
+    except Exception as error:
+        click.echo(_fault(error, arguments), err=True)
+        return 70
     return int(code or 0)
+
+
+def _fault(error: Exception, arguments: Sequence[str]) -> str:
+    """One line on an exception that is no user's error, with the file of its traceback; all of it where none can be."""
+    told = f"mbcdm {shlex.join(arguments)}\n{versions()}\n{''.join(traceback.format_exception(error))}"
+    try:
+        number, path = tempfile.mkstemp(prefix="mbcdm-fault-", suffix=".txt")
+        os.write(number, told.encode(errors="backslashreplace"))
+    except OSError:
+        return told
+    kind = f"{type(error).__name__}: {error}".splitlines()[0]
+    return f"a fault of the program, not of your input ({kind:.200}); please report it with the file {path}"

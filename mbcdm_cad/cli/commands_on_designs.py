@@ -4,6 +4,7 @@ Each calls a function of :mod:`mbcdm_cad.api` and prints its result.
 """
 
 import json
+import os
 import shlex
 import sys
 from collections.abc import Sequence
@@ -24,8 +25,9 @@ from mbcdm_cad.cli.group import (
     load,
     mbcdm,
     out_folder,
+    print_json,
+    print_report,
     progress,
-    progress_of_search,
     progress_of_trials,
     screen_width,
     sign_of_life,
@@ -34,22 +36,10 @@ from mbcdm_cad.design.template import slug
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
 from mbcdm_cad.optimising.wishes import GROWTH
 from mbcdm_cad.report.table import designs_shown
-from mbcdm_cad.storage.folders import refuse_missing_folder
+from mbcdm_cad.storage.folders import refuse_missing_folder, write_whole
 
-# Copy of mbcdm_cad.design.catalogue.KINDS, which takes long to import; a test compares them.
-CATALOGUE_KINDS = (
-    "ropes",
-    "terminations",
-    "motors",
-    "gearheads",
-    "encoders",
-    "bearings",
-    "screws",
-    "inserts",
-    "tensioners",
-    "springs",
-    "materials",
-)
+# By the catalogue's files: mbcdm_cad.design.catalogue.KINDS takes long to import.
+CATALOGUE_KINDS = sorted(path.stem for path in (Path(__file__).parents[1] / "design/catalogue").glob("*.json"))
 
 # Exit code of a command that the keyboard interrupted, as shells have it.
 INTERRUPTED = 130
@@ -98,11 +88,6 @@ def check(designs: tuple[Path, ...], only_failed: bool, show_all: bool, as_json:
     return 2 if unread else int(bool(failing))
 
 
-def print_json(content: Any) -> None:
-    """Print plain data as JSON."""
-    click.echo(json.dumps(content, indent=1, allow_nan=False))
-
-
 def _hint(design: api.DriveDesign) -> None:
     """Print a hint on stderr for a file that states every value; only on a terminal."""
     if not sys.stderr.isatty():
@@ -132,7 +117,7 @@ def _summary(count: int, failing: Sequence[str], unread: Sequence[str]) -> str:
 @click.argument("field", required=False)
 @click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
 @click.option("--graph", type=FILE, metavar="FILE.svg", help="Draw the dependencies of all values into this file.")
-def explain(design: Path, field: str | None, as_json: bool, graph: Path | None) -> int:
+def explain(design: Path, field: str | None, as_json: bool, graph: Path | None) -> None:
     """Explain why a field has its value.
 
     Without FIELD: all fields that have a sizing rule. With FIELD: its rule, the values from which it follows, and the
@@ -143,11 +128,8 @@ def explain(design: Path, field: str | None, as_json: bool, graph: Path | None) 
     loaded = load(design)
     if graph is not None:
         click.echo(loaded.explain_graph(graph))
-    elif as_json:
-        print_json(loaded.explain(field).to_dict())
     else:
-        click.echo(loaded.explain(field).text(screen_width()))
-    return 0
+        print_report(loaded.explain(field), as_json)
 
 
 @mbcdm.command(epilog=examples("mbcdm solve my_drive.yaml", "mbcdm solve my_drive.yaml --apply my_drive_solved.yaml"))
@@ -231,14 +213,11 @@ def optimise(requirements: Sequence[Path], out: Path, as_json: bool, **asked: An
         *(asked[name] for name in ("evaluations", "time_s", "workers", "resume", "scheduler", "growth"))
     )
     wishes = {name: asked[name] for name in ("keeps", "free", "only_free", "over", "beside")}
-    with progress_of_search() as told:
+    with progress_of_trials(100, stages=False) as told:
         found = api.optimise(requirements, asked["aims"], out, **wishes, effort=effort, progress=told)
-    if as_json:
-        print_json(found.to_dict())
-    else:
-        click.echo(found.text(screen_width()))
-        if not found.finished:
-            click.echo("it goes on with --resume", err=True)
+    print_report(found, as_json)
+    if not found.finished and not as_json:
+        click.echo("it goes on with --resume", err=True)
     return INTERRUPTED if found.interrupted else int(not found.points)
 
 
@@ -248,7 +227,7 @@ def optimise(requirements: Sequence[Path], out: Path, as_json: bool, **asked: An
 @WORKERS
 @SCHEDULER
 @click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
-def prices(design: Path, figures: Sequence[str], workers: int | None, scheduler: str | None, as_json: bool) -> int:
+def prices(design: Path, figures: Sequence[str], workers: int | None, scheduler: str | None, as_json: bool) -> None:
     """Show what each requirement costs.
 
     Each number of the file is moved by 5 % both ways, and the design is solved again: a table with the change of each
@@ -256,11 +235,7 @@ def prices(design: Path, figures: Sequence[str], workers: int | None, scheduler:
     """
     with progress() as told:
         found = api.prices(design, figures, workers=workers, scheduler=scheduler, progress=told)
-    if as_json:
-        print_json(found.to_dict())
-    else:
-        click.echo(found.text(screen_width()))
-    return 0
+    print_report(found, as_json)
 
 
 @mbcdm.command(epilog=examples("mbcdm init my_drive.yaml", "mbcdm init my_drive.yaml --full"))
@@ -268,7 +243,7 @@ def prices(design: Path, figures: Sequence[str], workers: int | None, scheduler:
 @_CONFIGURATION
 @click.option("--full", is_flag=True, help="Add all derived values as comments.")
 @click.option("--reference", is_flag=True, help="Write the reference design with all its values instead.")
-def init(new: Path, configuration: str | None, full: bool, reference: bool) -> int:
+def init(new: Path, configuration: str | None, full: bool, reference: bool) -> None:
     """Write a new design file with the requirements.
 
     Sizing rules compute all other values. For a layout without sizing rules: the reference design with all values.
@@ -278,16 +253,14 @@ def init(new: Path, configuration: str | None, full: bool, reference: bool) -> i
     text = api.new_design_text(new.stem, configuration, form="reference" if reference else "full" if full else "short")
     write_new(new, text, "choose another name, or remove it first")
     click.echo(f"{new}: design {slug(new.stem)} written; check it with: mbcdm check {shlex.quote(str(new))}")
-    return 0
 
 
 def write_new(path: Path, text: str, remedy: str) -> None:
     """Write a new file. Raises ``InputError`` with the remedy if it exists, or if it cannot be written."""
+    if os.path.lexists(path):
+        raise InputError([Problem(str(path), 1, "", "exists already", remedy=remedy)])
     try:
-        with open(path, "x", encoding="utf-8", newline="\n") as file:
-            file.write(text)
-    except FileExistsError:
-        raise InputError([Problem(str(path), 1, "", "exists already", remedy=remedy)]) from None
+        write_whole({path: text.encode()})
     except ValueError as error:
         raise InputError([Problem(str(path), 1, "", f"cannot be written: {error}", remedy="check the path")]) from None
 
@@ -296,7 +269,7 @@ def write_new(path: Path, text: str, remedy: str) -> None:
 @click.option("--reference", is_flag=True, help="Print the reference page in Markdown instead.")
 @click.option("--measurement", is_flag=True, help="Schema of measurement files, which 'mbcdm loop' reads.")
 @_CONFIGURATION
-def schema(reference: bool, measurement: bool, configuration: str | None) -> int:
+def schema(reference: bool, measurement: bool, configuration: str | None) -> None:
     """Print the JSON Schema of design files.
 
     With it an editor can complete and check a design file.
@@ -305,7 +278,6 @@ def schema(reference: bool, measurement: bool, configuration: str | None) -> int
         click.echo(api.schema_page(configuration, measurement=measurement), nl=False)
     else:
         click.echo(json.dumps(api.schema(configuration, measurement=measurement), indent=2, ensure_ascii=False))
-    return 0
 
 
 @mbcdm.command(
@@ -313,26 +285,23 @@ def schema(reference: bool, measurement: bool, configuration: str | None) -> int
 )
 @click.argument("kind", type=click.Choice(CATALOGUE_KINDS), required=False)
 @click.option("--markdown", is_flag=True, help="Print a page in Markdown, with all kinds if none is given.")
-def catalogue(kind: str | None, markdown: bool) -> int:
+def catalogue(kind: str | None, markdown: bool) -> None:
     """List ropes, motors, bearings and other catalogue parts.
 
     Without KIND: the names of all entries. With KIND: the values of the entries of that kind.
     """
     found = api.catalogue(kind)
     click.echo(found.markdown() if markdown else found.text(screen_width()), nl=not markdown)
-    return 0
 
 
-@mbcdm.command(epilog=examples("mbcdm doctor"))
+@mbcdm.command(epilog=examples("mbcdm doctor", "mbcdm doctor --cache"))
 @click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON.")
-def doctor(as_json: bool) -> int:
+@click.option("--cache", is_flag=True, help="Read every entry of the cache; remove broken ones.")
+def doctor(as_json: bool, cache: bool) -> int:
     """Check which programs and libraries this machine has.
 
     Exit code 1 if something required is missing.
     """
-    machine = api.doctor()
-    if as_json:
-        click.echo(json.dumps(machine.to_dict(), indent=1))
-    else:
-        click.echo(machine.text(screen_width()))
+    machine = api.doctor(cache=cache)
+    print_report(machine, as_json)
     return int(not machine.passed)

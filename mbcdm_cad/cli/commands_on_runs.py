@@ -12,7 +12,7 @@ from pathlib import Path
 import click
 
 from mbcdm_cad import api
-from mbcdm_cad.cli.commands_on_designs import print_json, write_new
+from mbcdm_cad.cli.commands_on_designs import write_new
 from mbcdm_cad.cli.group import (
     DESIGN,
     FILE,
@@ -22,6 +22,7 @@ from mbcdm_cad.cli.group import (
     load,
     mbcdm,
     out_folder,
+    print_report,
     progress,
     screen_width,
     sign_of_life,
@@ -45,15 +46,11 @@ RATIO = click.option(
 @mbcdm.command(epilog=examples("mbcdm analyse my_drive.yaml", "mbcdm analyse my_drive.yaml --json > figures.json"))
 @DESIGN
 @click.option("--json", "as_json", is_flag=True, help="Print the results as JSON.")
-def analyse(design: Path, as_json: bool) -> int:
+def analyse(design: Path, as_json: bool) -> None:
     """Compute tensions, backlash, load sharing, torque limits."""
     with sign_of_life(f"{design}: sizing and analysing"):
         report = api.load(design).analyse()
-    if as_json:
-        print_json(report.to_dict())
-    else:
-        click.echo(report.text(screen_width()))
-    return 0
+    print_report(report, as_json)
 
 
 @mbcdm.command(
@@ -67,7 +64,7 @@ def analyse(design: Path, as_json: bool) -> int:
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the results as JSON.")
 @out_folder("Folder that the procedure's folder, NAME-preload, is written into.")
-def preload(design: Path, logs: tuple[str, ...], as_json: bool, out: Path) -> int:
+def preload(design: Path, logs: tuple[str, ...], as_json: bool, out: Path) -> None:
     """Show what the preload is made of and how to measure it.
 
     Writes the expected curves of torque over angle of each input with the drum at its stop, a ramp in C and its
@@ -80,13 +77,9 @@ def preload(design: Path, logs: tuple[str, ...], as_json: bool, out: Path) -> in
             raise click.BadParameter(f"{log!r} is not INPUT=FILE, such as left=left.csv", param_hint="--log")
         named[name] = path
     report = load(design).preload(out, logs=named)
-    if as_json:
-        print_json(report.to_dict())
-    else:
-        click.echo(report.text(screen_width()))
-        if report.folder is not None:
-            click.echo(f"{report.folder}: expected curves, ramp in C, evaluation in Python")
-    return 0
+    print_report(report, as_json)
+    if report.folder is not None and not as_json:
+        click.echo(f"{report.folder}: expected curves, ramp in C, evaluation in Python")
 
 
 @mbcdm.command(epilog=examples("mbcdm sensitivity my_drive.yaml"))
@@ -94,7 +87,7 @@ def preload(design: Path, logs: tuple[str, ...], as_json: bool, out: Path) -> in
 @WORKERS
 @SCHEDULER
 @out_folder("Folder that the study's folder, NAME-sensitivity, is written into.")
-def sensitivity(design: Path, workers: int | None, scheduler: str | None, out: Path) -> int:
+def sensitivity(design: Path, workers: int | None, scheduler: str | None, out: Path) -> None:
     """Show which parameters change backlash and torque most.
 
     Writes plots and CSV: the panels of the paper's figure 5, global indices, the tolerance stack over the travel, and
@@ -102,7 +95,6 @@ def sensitivity(design: Path, workers: int | None, scheduler: str | None, out: P
     """
     found = load(design).sensitivity(out, workers=workers, scheduler=scheduler)
     click.echo(found.text(screen_width()))
-    return 0
 
 
 @mbcdm.command(epilog=examples("mbcdm reproduce", "mbcdm reproduce my_drive.yaml"))
@@ -185,7 +177,7 @@ def loop(
 @click.argument("study", type=FILE)
 @click.option("--picture", type=FILE, metavar="FILE.png", help="Draw values, courses and limits over the dates.")
 @click.option("--json", "json_path", type=FILE, metavar="FILE", help="Write the result as JSON.")
-def trend(study: Path, picture: Path | None, json_path: Path | None) -> int:
+def trend(study: Path, picture: Path | None, json_path: Path | None) -> None:
     """Show how a drive changes from date to date.
 
     STUDY (YAML) names the design (unless its runs state a ratio), lists the runs with their dates, and says what
@@ -208,7 +200,6 @@ def trend(study: Path, picture: Path | None, json_path: Path | None) -> int:
     write_whole(outputs)
     for path in outputs:
         click.echo(f"{path} written")
-    return 0
 
 
 @mbcdm.command(
@@ -231,7 +222,7 @@ def plan(
     pilot: Path | None,
     written: Path | None,
     as_json: Path | None,
-) -> int:
+) -> None:
     """Compute what a run could find, before it is made.
 
     For each effect: the smallest size that the loop would name, and each effect with which it could be confused, with
@@ -263,7 +254,6 @@ def plan(
     if files:
         write_whole(files)
         click.echo("\n".join(f"{path} written" for path in files))
-    return 0
 
 
 @mbcdm.command(epilog=examples("mbcdm simulate my_drive.yaml params/experiments/winding-short-brake.yaml"))

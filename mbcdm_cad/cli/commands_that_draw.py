@@ -80,7 +80,7 @@ def compare(
     out: Path,
     no_cache: bool,
     jobs: int | None,
-) -> int:
+) -> None:
     """Compare built designs side by side.
 
     Torque in both directions, mass, box, backlash, stiffness, lowest mode, number of parts, smallest margin. Designs
@@ -96,7 +96,6 @@ def compare(
         click.echo(json.dumps(found.to_dict(), indent=1))
     else:
         click.echo(found.markdown() if markdown else found.text())
-    return 0
 
 
 @mbcdm.command(
@@ -113,7 +112,7 @@ def compare(
     "--view", type=click.Choice(VIEW_NAMES), default="output", show_default=True, help="Direction of the view."
 )
 @NO_CACHE
-def picture(design: Path, png: Path, angle_deg: float, travel: bool, view: str, no_cache: bool) -> int:
+def picture(design: Path, png: Path, angle_deg: float, travel: bool, view: str, no_cache: bool) -> None:
     """Draw a design into a PNG or GIF file; needs no display."""
     loaded = load(design)
     with progress() as note:
@@ -122,7 +121,6 @@ def picture(design: Path, png: Path, angle_deg: float, travel: bool, view: str, 
         else:
             done = loaded.picture(png, angle_deg=angle_deg, view=view, cache=not no_cache, progress=note)
     click.echo(done)
-    return 0
 
 
 @mbcdm.command(epilog=examples("mbcdm page my_drive.yaml"))
@@ -154,7 +152,7 @@ def page(design: Path, force: bool, out: Path, no_cache: bool) -> int:
 )
 @out_folder("Folder that the design's folders are written into.")
 @NO_CACHE
-def watch(design: Path, port: int, out: Path, no_cache: bool) -> int:
+def watch(design: Path, port: int, out: Path, no_cache: bool) -> None:
     """Follow a design file: checks and page at each save.
 
     Prints the address of a page that is updated at each save. Changed parts are written to DIR/NAME-live at once, the
@@ -163,7 +161,6 @@ def watch(design: Path, port: int, out: Path, no_cache: bool) -> int:
     from mbcdm_cad.live.watch import follow
 
     follow(design, out=out, port=port, use_cache=not no_cache)
-    return 0
 
 
 @mbcdm.command(
@@ -190,7 +187,7 @@ def export(
     ros2_control: bool,
     out: Path,
     no_cache: bool,
-) -> int:
+) -> None:
     """Write a design for robot simulators.
 
     Links with mass and inertia, joints with the drive's ratios, meshes in metres; as FMU the drive's equations, for
@@ -213,14 +210,13 @@ def export(
             progress=note,
         )
     click.echo(written)
-    return 0
 
 
 @mbcdm.command(epilog=examples("mbcdm pictures my_drive.yaml"))
 @DESIGN
 @out_folder("Folder that the pictures' folder, NAME-pictures, is written into.")
 @NO_CACHE
-def pictures(design: Path, out: Path, no_cache: bool) -> int:
+def pictures(design: Path, out: Path, no_cache: bool) -> None:
     """Draw pictures for the assembly of the drive.
 
     One for each step of the order of assembly, an exploded view, a section through the transfer to the drum.
@@ -228,7 +224,6 @@ def pictures(design: Path, out: Path, no_cache: bool) -> int:
     loaded = load(design)
     with progress() as note:
         click.echo(loaded.pictures(out, cache=not no_cache, progress=note))
-    return 0
 
 
 @mbcdm.command(epilog=examples("mbcdm prints my_drive.yaml"))
@@ -236,7 +231,7 @@ def pictures(design: Path, out: Path, no_cache: bool) -> int:
 @click.option("--all", "every_made_part", is_flag=True, help="Write the milled and turned parts too.")
 @out_folder("Folder that the folder of 3MF files, NAME-prints, is written into.")
 @NO_CACHE
-def prints(design: Path, every_made_part: bool, out: Path, no_cache: bool) -> int:
+def prints(design: Path, every_made_part: bool, out: Path, no_cache: bool) -> None:
     """Write 3MF files of the printed parts for a 3D printer.
 
     One file for each part, in millimetres, with its name, lying on its largest flat face.
@@ -244,7 +239,6 @@ def prints(design: Path, every_made_part: bool, out: Path, no_cache: bool) -> in
     loaded = load(design)
     with progress() as note:
         click.echo(loaded.prints(out, every_made_part=every_made_part, cache=not no_cache, progress=note))
-    return 0
 
 
 @mbcdm.command(epilog=examples("mbcdm drawings my_drive.yaml", "mbcdm drawings my_drive.yaml --part input_pulley_left"))
@@ -253,7 +247,7 @@ def prints(design: Path, every_made_part: bool, out: Path, no_cache: bool) -> in
 @click.option("--part", metavar="NAME", help="Draw only the sheet of this part.")
 @NO_CACHE
 @JOBS
-def drawings(design: Path, out: Path, part: str | None, no_cache: bool, jobs: int | None) -> int:
+def drawings(design: Path, out: Path, part: str | None, no_cache: bool, jobs: int | None) -> None:
     """Draw the workshop drawings of all made parts.
 
     One sheet for each part, as DXF with real dimensions, as PDF and as SVG.
@@ -261,4 +255,3 @@ def drawings(design: Path, out: Path, part: str | None, no_cache: bool, jobs: in
     loaded = load(design)
     with progress() as note:
         click.echo(loaded.drawings(out, part=part, jobs=jobs, cache=not no_cache, progress=note))
-    return 0

@@ -1,5 +1,6 @@
 """The command ``mbcdm`` and what all commands share: options, examples on help pages, terminal, progress."""
 
+import json
 import math
 import os
 import re
@@ -14,7 +15,6 @@ from typing import Any
 import click
 
 from mbcdm_cad import __version__, api
-from mbcdm_cad.report.table import designs_shown
 
 
 def screen_width() -> int | None:
@@ -22,6 +22,19 @@ def screen_width() -> int | None:
     if sys.stdout.isatty() or os.environ.get("COLUMNS", "").isdigit():
         return shutil.get_terminal_size().columns
     return None
+
+
+def print_json(content: Any) -> None:
+    """Print plain data as JSON."""
+    click.echo(json.dumps(content, indent=1, allow_nan=False))
+
+
+def print_report(report: Any, as_json: bool) -> None:
+    """Print a report as JSON or as text."""
+    if as_json:
+        print_json(report.to_dict())
+    else:
+        click.echo(report.text(screen_width()))
 
 
 def coloured() -> bool:
@@ -76,57 +89,26 @@ def progress() -> Iterator[Callable[[str], None]]:
 
 
 @contextmanager
-def progress_of_trials() -> Iterator[Callable[[str, int], None]]:
-    """A function that is told the stage of a search and its trials: a bar on a terminal, some lines if piped."""
-    if not sys.stderr.isatty():
-        last: tuple[str, int] = ("", -_TRIALS)
+def progress_of_trials(every: int = 20, *, stages: bool = True) -> Iterator[Callable[[str, int], None]]:
+    """A function that is told the stage of a search and its trials: a line on a terminal, some lines if piped.
 
-        def told(stage: str, count: int) -> None:
-            nonlocal last
-            if stage != last[0] or count >= last[1] + _TRIALS:
-                last = stage, count
-                print(f"{count} trials: {stage}", file=sys.stderr, flush=True)
+    These tell of every so many trials, and of each stage with ``stages``.
+    """
+    if sys.stderr.isatty():
+        from rich.console import Console  # only where a terminal shows it
 
-        yield told
+        with Console(stderr=True).status("searching") as status:
+            yield lambda stage, count: status.update(f"{count} trials: {stage}")
         return
-    from rich.console import Console  # only where a terminal shows it
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+    last: tuple[str, int] = ("", -every)
 
-    from mbcdm_cad.solving.solve import MOST_TRIALS
+    def told(stage: str, count: int) -> None:
+        nonlocal last
+        if (stages and stage != last[0]) or count >= last[1] + every:
+            last = stage, count
+            print(f"{count} trials: {stage}", file=sys.stderr, flush=True)
 
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.completed} trials"),
-        TimeElapsedColumn(),
-    )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("searching", total=MOST_TRIALS)
-        yield lambda stage, count: bar.update(task, description=stage, completed=count)
-
-
-@contextmanager
-def progress_of_search() -> Iterator[Callable[[str, int], None]]:
-    """A function that is told the best so far and the number of designs: a line on a terminal, some lines if piped."""
-    if not sys.stderr.isatty():
-
-        def told(words: str, count: int) -> None:
-            if count % _EVERY == 0:
-                print(f"{designs_shown(count)}: {words}", file=sys.stderr, flush=True)
-
-        yield told
-        return
-    from rich.console import Console  # only where a terminal shows it
-
-    console = Console(stderr=True)
-    with console.status("searching") as status:
-        yield lambda words, count: status.update(f"{designs_shown(count)}: {words}")
-
-
-# Designs between two lines of progress, where it is piped.
-_EVERY = 100
-# Trials of a search between two, at least: each sizes and checks a design.
-_TRIALS = 20
+    yield told
 
 
 FILE = click.Path(path_type=Path)
@@ -190,5 +172,6 @@ SCHEDULER = click.option(
 def mbcdm() -> None:
     """Cable drives from a design file: checks, parts, report, model, loop.
 
-    Exit codes: 0 done, 1 a check failed, 2 bad input. Completion for the shell: see docs/command-line.md.
+    Exit codes: 0 done, 1 a check failed, 2 bad input, 70 a fault of the program. Completion for the shell: see
+    docs/command-line.md.
     """

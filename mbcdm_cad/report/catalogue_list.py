@@ -21,7 +21,7 @@ from mbcdm_cad.design.catalogue import KINDS, package_entries
 from mbcdm_cad.design.fields import adapter
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.report.table import ReportTable, TextReport
-from mbcdm_cad.storage.cache import ENVIRONMENT_VARIABLE, cache_folder
+from mbcdm_cad.storage.cache import ENVIRONMENT_VARIABLE, Cache, cache_folder
 
 # Fields of text, told below the values: where these come from, and how an end is made.
 _SOURCES = ("source", "price_source", "making")
@@ -224,16 +224,19 @@ class Machine(TextReport):
         return [asdict(item) for item in self.items]
 
 
-def examine() -> Machine:
-    """Look for all programs and libraries. Takes some seconds: compiled libraries are loaded in another process."""
-    return Machine(tuple(examined()))
+def examine(*, verify: bool = False) -> Machine:
+    """Look for all programs and libraries. Takes some seconds: compiled libraries are loaded in another process.
+
+    With ``verify`` every entry of the cache is read; broken ones are removed.
+    """
+    return Machine(tuple(examined(verify)))
 
 
 def _word(item: Dependency) -> str:
     return "ok" if item.there else "missing" if item.required else "absent"
 
 
-def examined() -> Iterator[Dependency]:
+def examined(verify: bool = False) -> Iterator[Dependency]:
     """All dependencies of the program, required ones first."""
     yield Dependency("mbcdm_cad", True, True, f"{__version__}, Python {platform.python_version()}", "everything")
     for name, use in (
@@ -251,7 +254,7 @@ def examined() -> Iterator[Dependency]:
     yield Dependency("libGL", there, True, found or "not found", "CAD kernel and drawing library", _LIBGL_REMEDY)
     yield _imported("CAD kernel", "OCP.gp", "cadquery", "build, picture, parts in Python")
     yield _imported("drawing library", "vtkmodules.vtkRenderingOpenGL2", "vtk", "picture, meshes")
-    yield _cache()
+    yield _cache(verify)
     yield _program("FreeCAD", _FREECAD, "opening the STEP files, and the tests that do so; not needed to write them")
     yield _program("browser", _BROWSERS, "the pages that 'page', 'watch', 'loop --report' and 'compare --page' write")
     pandas = _version("pandas")
@@ -288,17 +291,17 @@ def _imported(name: str, module: str, package: str, use: str) -> Dependency:
     return Dependency(name, False, True, f"{version}, does not load: {why}", use, remedy)
 
 
-def _cache() -> Dependency:
-    """The cache folder: its size, and whether it can be written."""
+def _cache(verify: bool) -> Dependency:
+    """The cache folder: its size, whether it can be written, and with ``verify`` how many entries are broken."""
     folder = cache_folder()
     use = "building unchanged parts quickly; without it all parts are drawn each time"
     there = next((path for path in (folder, *folder.parents) if path.exists()), Path())
     if not os.access(there, os.W_OK | os.X_OK):
         remedy = f"allow writing to {there}, or set {ENVIRONMENT_VARIABLE} to another folder"
         return Dependency("cache", False, False, f"{folder} cannot be written", use, remedy)
-    files = [path for path in folder.glob("*/*") if path.is_file()]
-    size_MB = sum(path.stat().st_size for path in files) / 1e6
-    return Dependency("cache", True, False, f"{folder}, {len(files)} entries, {size_MB:.0f} MB", use)
+    count, size, broken = Cache(folder).summary(verify=verify)
+    read = f", {broken} of them broken and removed" if verify else ""
+    return Dependency("cache", True, False, f"{folder}, {count} entries, {size / 1e6:.0f} MB{read}", use)
 
 
 def _program(name: str, commands: tuple[str, ...], use: str) -> Dependency:

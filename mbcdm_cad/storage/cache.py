@@ -11,6 +11,7 @@ import re
 import sys
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import fields, is_dataclass
 from functools import cache
 from pathlib import Path, PurePath
@@ -78,7 +79,7 @@ def code_hash(module: str = _PACKAGE) -> str:
 
 ENVIRONMENT_VARIABLE = "MBCDM_CACHE_DIR"
 DEFAULT_LIMIT_BYTES = 1 << 30
-_MAGIC = b"mbcdm-cache-1\n"
+_MAGIC = b"mbcdm-cache-2\n"
 _KEY = re.compile(r"[0-9a-f]{64}")
 _STALE_S = 3600.0
 
@@ -97,9 +98,9 @@ class Cache:
     """Entries of named blobs by content key. ``Cache(None)`` is always empty and stores nothing.
 
     An entry is one file, written under a temporary name and then renamed, so that a reader never sees a part of one and
-    processes need no lock. Every read is checked against the entry's own hash; a broken entry is removed and counts as
-    absent. A cache that cannot be read or written never stops a build: ``problem`` then gives the reason in one
-    sentence.
+    processes need no lock. Every read is checked against the entry's own hash, of its key too; a broken entry, or one
+    under another name, is removed and counts as absent. A cache that cannot be read or written, or that vanishes, never
+    stops a build: ``problem`` then gives the reason in one sentence.
     """
 
     def __init__(self, folder: Path | None, limit_bytes: int = DEFAULT_LIMIT_BYTES) -> None:
@@ -112,17 +113,10 @@ class Cache:
         if self._folder is None:
             return None
         path = self._path(key)
-        try:
-            data = path.read_bytes()
-            os.utime(path)  # used now: evicted last
-        except FileNotFoundError:
-            return None
-        except OSError as error:
-            self._note(error)
-            return None
-        blobs = _unpacked(data)
-        if blobs is None:
-            self._remove(path)
+        blobs = self._read(path)
+        if blobs is not None:
+            with suppress(OSError):  # in a cache that may only be read
+                os.utime(path)  # used now: evicted last
         return blobs
 
     def put(self, key: str, blobs: Mapping[str, bytes]) -> None:
@@ -131,7 +125,7 @@ class Cache:
             return
         try:
             # An entry broken by a crash of the machine is found by its hash; waiting for the disk would take too long.
-            write_whole({self._path(key): _packed(blobs)}, durable=False)
+            write_whole({self._path(key): _packed(key, blobs)}, durable=False)
         except OSError as error:
             self._note(error)
         self.trim()
@@ -146,26 +140,47 @@ class Cache:
 
     def trim(self) -> None:
         """Remove the longest unused entries until the cache is within its limit, and leftovers of dead processes."""
-        if self._folder is None:
-            return
-        entries: list[tuple[float, int, Path]] = []
         now = time.time()
-        for path in self._folder.glob("*/*"):
-            try:
-                status = path.stat()
-            except OSError:  # gone: another process trims too
-                continue
-            if is_aside(path):
-                if now - status.st_mtime > _STALE_S:
-                    self._remove(path)
-            elif _KEY.fullmatch(path.name):
-                entries.append((status.st_mtime, status.st_size, path))
+        entries = [(at if at <= now else 0.0, size, path) for at, size, path in self._entries(now)]
         excess = sum(size for _, size, _ in entries) - self._limit_bytes
         for _, size, path in sorted(entries):
             if excess <= 0:
                 break
             self._remove(path)
             excess -= size
+
+    def summary(self, *, verify: bool) -> tuple[int, int, int]:
+        """Number of entries and of bytes; with ``verify`` all are read, and the third is how many were broken."""
+        found = self._entries(time.time())
+        broken = sum(self._read(path) is None for _, _, path in found) if verify else 0
+        return len(found), sum(size for _, size, _ in found), broken
+
+    def _entries(self, now: float) -> list[tuple[float, int, Path]]:
+        """Time, bytes and file of each entry; leftovers of dead processes are removed."""
+        found = list[tuple[float, int, Path]]()
+        with suppress(OSError):  # what is gone: another process trims too, or somebody removes the cache
+            for path in () if self._folder is None else self._folder.glob("*/*"):
+                with suppress(OSError):
+                    status = path.stat()
+                    if is_aside(path) and abs(now - status.st_mtime) > _STALE_S:
+                        self._remove(path)
+                    elif _KEY.fullmatch(path.name):
+                        found.append((status.st_mtime, status.st_size, path))
+        return found
+
+    def _read(self, path: Path) -> dict[str, bytes] | None:
+        """The blobs of one entry; None where there is none that is whole."""
+        try:
+            data = path.read_bytes()
+        except FileNotFoundError:
+            return None
+        except OSError as error:
+            self._note(error)
+            return None
+        blobs = _unpacked(path.name, data)
+        if blobs is None:
+            self._remove(path)
+        return blobs
 
     def _path(self, key: str) -> Path:
         if not _KEY.fullmatch(key):
@@ -183,19 +198,20 @@ class Cache:
         self.problem = self.problem or f"cache {self._folder} is not usable: {error.strerror or error}"
 
 
-def _packed(blobs: Mapping[str, bytes]) -> bytes:
-    sizes = json.dumps([[name, len(blob)] for name, blob in blobs.items()]).encode() + b"\n"
+def _packed(key: str, blobs: Mapping[str, bytes]) -> bytes:
+    sizes = json.dumps([key, *([name, len(blob)] for name, blob in blobs.items())]).encode() + b"\n"
     body = sizes + b"".join(blobs.values())
     return _MAGIC + hashlib.sha256(body).digest() + body
 
 
-def _unpacked(data: bytes) -> dict[str, bytes] | None:
+def _unpacked(key: str, data: bytes) -> dict[str, bytes] | None:
     start = len(_MAGIC) + hashlib.sha256().digest_size
     body = data[start:]
     if data[: len(_MAGIC)] != _MAGIC or data[len(_MAGIC) : start] != hashlib.sha256(body).digest():
         return None
     header, _, rest = body.partition(b"\n")
+    own, *sizes = json.loads(header)
     blobs: dict[str, bytes] = {}
-    for name, size in json.loads(header):
+    for name, size in sizes:
         blobs[name], rest = rest[:size], rest[size:]
-    return blobs
+    return blobs if own == key else None

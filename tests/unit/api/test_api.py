@@ -57,7 +57,7 @@ SIGNATURES = {
     "catalogue": "(kind: 'str | None' = None) -> 'CatalogueList'",
     "schema": "(configuration: 'str | None' = None, *, measurement: 'bool' = False) -> 'dict[str, Any]'",
     "schema_page": "(configuration: 'str | None' = None, *, measurement: 'bool' = False) -> 'str'",
-    "doctor": "() -> 'Machine'",
+    "doctor": "(*, cache: 'bool' = False) -> 'Machine'",
     "DriveDesign.with_": "(self, changes: 'Mapping[str, Any] | None' = None, /, **fields: 'Any') -> 'DriveDesign'",
     "DriveDesign.check": "(self) -> 'CheckReport'",
     "DriveDesign.analyse": "(self) -> 'AnalysisReport'",

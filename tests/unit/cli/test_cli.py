@@ -2,13 +2,16 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
 
 from mbcdm_cad import cli
+from mbcdm_cad.layouts import loader
 from mbcdm_cad.layouts.loader import load_design, new_design_text
 from tests.support.reference import REFERENCE as PARAMS
 from tests.support.reference import Says
@@ -98,20 +101,26 @@ def test_a_reader_that_goes_away_is_no_error() -> None:
     assert done.stderr == "", done.stderr
 
 
-def test_interrupt_and_full_disk_end_in_a_sentence(monkeypatch: pytest.MonkeyPatch, says: Says) -> None:
-    from mbcdm_cad.layouts import loader
+@pytest.mark.parametrize(
+    ("raised", "code", "words"),
+    [
+        (KeyboardInterrupt(), 130, "interrupted"),
+        (OSError(28, "No space left on device", "x.yaml"), 2, "x.yaml: No space left on device"),
+        (ZeroDivisionError("one\ntwo"), 70, r"fault of the program.*\(ZeroDivisionError: one\).* report it.* (/.*)\n$"),
+    ],
+)
+def test_what_ends_a_command_is_told_in_one_line(
+    raised: BaseException, code: int, words: str, monkeypatch: pytest.MonkeyPatch, says: Says, tmp_path: Path
+) -> None:
+    def ends(*_: str, **__: bool) -> str:
+        raise raised
 
-    def interrupted(*_: str, **__: bool) -> str:
-        raise KeyboardInterrupt
-
-    def full(*_: str, **__: bool) -> str:
-        raise OSError(28, "No space left on device", "x.yaml")
-
-    monkeypatch.chdir("/tmp")
-    for stand_in, code, words in ((interrupted, 130, "interrupted"), (full, 2, "x.yaml: No space left on device")):
-        monkeypatch.setattr(loader, "short_design_text", stand_in)
-        assert words in says(["init", f"/tmp/mbcdm-cli-test-{os.getpid()}-{code}.yaml"], code).err
-        Path(f"/tmp/mbcdm-cli-test-{os.getpid()}-{code}.yaml").unlink(missing_ok=True)
+    monkeypatch.setattr(loader, "short_design_text", ends)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    told = re.search(words, says(["init", str(tmp_path / "drive.yaml")], code).err)
+    assert told and not (tmp_path / "drive.yaml").exists()
+    if told.groups():
+        assert "Traceback" in Path(told[1]).read_text() and "init" in Path(told[1]).read_text()
 
 
 def test_help_and_version() -> None:

@@ -425,7 +425,7 @@ def entries(folder: Path) -> list[str]:
 
 @given(st.dictionaries(st.text(max_size=9), st.binary(max_size=200), max_size=4))
 def test_what_is_packed_comes_out(blobs: dict[str, bytes]) -> None:
-    assert cache._unpacked(cache._packed(blobs)) == blobs
+    assert cache._unpacked(key(1), cache._packed(key(1), blobs)) == blobs
 
 
 def test_put_and_get(tmp_path: Path) -> None:
@@ -471,6 +471,9 @@ def test_every_broken_entry_is_seen_and_removed(tmp_path: Path) -> None:
         assert cache.get(key(1)) is None, data
         assert not path.exists()
     assert cache.get_or_make(key(1), lambda: {"x": b"again"}) == {"x": b"again"}
+    (tmp_path / "00" / key(2)).write_bytes(path.read_bytes())
+    assert cache.summary(verify=False)[::2] == (2, 0) and cache.summary(verify=True)[::2] == (2, 1)
+    assert entries(tmp_path) == [key(1)], "an entry under another key's name is broken"
 
 
 def test_oldest_entries_go_first(tmp_path: Path) -> None:
@@ -479,6 +482,7 @@ def test_oldest_entries_go_first(tmp_path: Path) -> None:
         cache.put(key(n), {"x": bytes(1000)})
         os.utime(tmp_path / "00" / key(n), (n, n))
     cache.get(key(0))  # now the newest
+    os.utime(tmp_path / "00" / key(1), (4e9, 4e9))  # as a clock that was ahead left it
     cache.put(key(9), {"x": bytes(1000)})
     assert entries(tmp_path) == sorted(map(key, (0, 2, 3, 9))), "entry 1 was the longest unused"
     size = sum(path.stat().st_size for path in tmp_path.glob("*/*"))
@@ -507,6 +511,20 @@ def test_a_file_that_is_no_entry_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "photos" / "cat.jpg").write_bytes(bytes(9000))
     Cache(tmp_path, limit_bytes=10).put(key(1), {"x": bytes(1000)})
     assert entries(tmp_path) == ["cat.jpg"]
+
+
+def test_a_cache_that_vanishes_stops_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    cache, glob = Cache(tmp_path / "cache", limit_bytes=0), Path.glob
+
+    def gone(folder: Path, pattern: str) -> Iterator[Path]:
+        for path in glob(folder, pattern):
+            shutil.rmtree(folder)
+            yield path
+            raise FileNotFoundError(folder)
+
+    monkeypatch.setattr(Path, "glob", gone)
+    assert cache.get_or_make(key(1), lambda: {"x": b"1"}) == {"x": b"1"}
+    assert not cache.problem and not (tmp_path / "cache").exists()
 
 
 @pytest.mark.parametrize("obstacle", ["file", "full"])
