@@ -28,6 +28,7 @@ from mbcdm_cad.optimising.wishes import Effort, Keep, Values, Variable, Wishes, 
 from mbcdm_cad.parallel.forks import Crew, crew
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.solving.question import Question
+from mbcdm_cad.storage.folders import locked
 
 Record = dict[str, Any]
 
@@ -38,7 +39,7 @@ def sole_search(path: Path) -> Iterator[None]:
     lock = path.with_name(f".{path.name}.lock")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with filelock.FileLock(lock, timeout=0):
+        with locked(lock, 0.0):
             yield
     except filelock.Timeout:
         raise OutputError(f"{path}: another search is writing it; wait for it, or choose another --out") from None

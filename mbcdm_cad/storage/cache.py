@@ -17,7 +17,7 @@ from functools import cache
 from pathlib import Path, PurePath
 from typing import Any
 
-from mbcdm_cad.storage.folders import is_aside, versions, write_whole
+from mbcdm_cad.storage.folders import is_aside, remove_left, versions, write_whole
 
 _PACKAGE = __name__.partition(".")[0]
 _ROOT = Path(__file__).parents[1]
@@ -81,7 +81,6 @@ ENVIRONMENT_VARIABLE = "MBCDM_CACHE_DIR"
 DEFAULT_LIMIT_BYTES = 1 << 30
 _MAGIC = b"mbcdm-cache-2\n"
 _KEY = re.compile(r"[0-9a-f]{64}")
-_STALE_S = 3600.0
 
 
 def cache_folder() -> Path:
@@ -141,7 +140,7 @@ class Cache:
     def trim(self) -> None:
         """Remove the longest unused entries until the cache is within its limit, and leftovers of dead processes."""
         now = time.time()
-        entries = [(at if at <= now else 0.0, size, path) for at, size, path in self._entries(now)]
+        entries = [(at if at <= now else 0.0, size, path) for at, size, path in self._entries()]
         excess = sum(size for _, size, _ in entries) - self._limit_bytes
         for _, size, path in sorted(entries):
             if excess <= 0:
@@ -151,19 +150,19 @@ class Cache:
 
     def summary(self, *, verify: bool) -> tuple[int, int, int]:
         """Number of entries and of bytes; with ``verify`` all are read, and the third is how many were broken."""
-        found = self._entries(time.time())
+        found = self._entries()
         broken = sum(self._read(path) is None for _, _, path in found) if verify else 0
         return len(found), sum(size for _, size, _ in found), broken
 
-    def _entries(self, now: float) -> list[tuple[float, int, Path]]:
+    def _entries(self) -> list[tuple[float, int, Path]]:
         """Time, bytes and file of each entry; leftovers of dead processes are removed."""
         found = list[tuple[float, int, Path]]()
         with suppress(OSError):  # what is gone: another process trims too, or somebody removes the cache
             for path in () if self._folder is None else self._folder.glob("*/*"):
                 with suppress(OSError):
                     status = path.stat()
-                    if is_aside(path) and abs(now - status.st_mtime) > _STALE_S:
-                        self._remove(path)
+                    if is_aside(path):
+                        remove_left(path)
                     elif _KEY.fullmatch(path.name):
                         found.append((status.st_mtime, status.st_size, path))
         return found

@@ -5,6 +5,7 @@
 
 import ctypes
 import errno
+import glob
 import hashlib
 import json
 import os
@@ -12,8 +13,9 @@ import platform
 import re
 import secrets
 import shutil
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+import time
+from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import asdict, dataclass, field, replace
 from functools import cache
 from pathlib import Path, PurePosixPath
@@ -23,16 +25,41 @@ import filelock
 import mbcdm_cad
 from mbcdm_cad.errors import InputError, OutputError, Problem
 
+_STALE_S = 3600.0
+
 
 def aside(target: Path) -> Path:
-    """An unused path beside ``target``, for a file or folder that will replace it."""
-    return target.with_name(f".{target.name}.new-{secrets.token_hex(8)}")
+    """An unused path beside ``target``, for a file or folder that will replace it; its name tells whose it is."""
+    return target.with_name(f".{target.name}.new-{_machine()}{os.getpid():08x}{secrets.token_hex(2)}")
+
+
+@cache
+def _machine() -> str:
+    return hashlib.sha256(platform.node().encode()).hexdigest()[:4]
 
 
 def is_aside(path: Path, target: Path | None = None) -> bool:
     """Whether ``path`` has a name that :func:`aside` gives, for ``target`` if that is given."""
     name = ".*" if target is None else re.escape(target.name)
     return re.fullmatch(rf"\.{name}\.new-[0-9a-f]{{16}}", path.name) is not None
+
+
+def remove_left(path: Path) -> None:
+    """Remove an aside of a dead process; on another machine, or where that cannot be told, one older than an hour."""
+    with suppress(OSError):
+        if abs(time.time() - path.stat().st_mtime) < _STALE_S and not (
+            os.name == "posix" and path.name[-16:-12] == _machine() and _is_dead(int(path.name[-12:-4], 16))
+        ):
+            return
+        path.unlink()
+
+
+def _is_dead(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return True
+    return False
 
 
 def refuse_missing_folder(path: Path) -> None:
@@ -45,9 +72,9 @@ def refuse_missing_folder(path: Path) -> None:
 def write_whole(files: Mapping[Path, bytes], *, durable: bool = True) -> None:
     """Write all files; none is replaced before all are on the disk. Raises OSError that names the file concerned.
 
-    Missing folders are made. With ``durable`` the content is on the disk before a file gets its name, so that even
-    after a crash of the machine the old or the new file exists completely; without, this holds only for a crash of the
-    program.
+    Missing folders are made, and what dead processes have left of these files is removed. With ``durable`` the content
+    is on the disk before a file gets its name, so that even after a crash of the machine the old or the new file exists
+    completely; without, this holds only for a crash of the program.
     """
     written: dict[Path, Path] = {}
     try:
@@ -57,6 +84,8 @@ def write_whole(files: Mapping[Path, bytes], *, durable: bool = True) -> None:
                 target.parent.mkdir(parents=True, exist_ok=True)
                 if target.is_dir():
                     raise IsADirectoryError(21, "is a folder", str(target))
+                for path in target.parent.glob(glob.escape(f".{target.name}.new-") + "*"):
+                    remove_left(path)
                 with open(new, "xb") as file:
                     written[new] = target
                     file.write(content)
@@ -119,8 +148,14 @@ def versions() -> dict[str, str]:
     }
 
 
+_NO_FILE = (FileNotFoundError, NotADirectoryError, IsADirectoryError)
+
+
 def read_manifest(folder: Path) -> Manifest | None:
-    """The manifest of an output folder; None if there is none, or if this program did not write it."""
+    """The manifest of an output folder; None if there is none, or if this program did not write it.
+
+    Raises ``OSError`` if it cannot be read: without it nobody knows which files are the user's.
+    """
     try:
         content = json.loads((folder / MANIFEST_NAME).read_text("utf-8"))
         if content["generator"] != _GENERATOR or content["format"] != _FORMAT:
@@ -132,7 +167,7 @@ def read_manifest(folder: Path) -> Manifest | None:
             tuple(content["failed_checks"]),
             {name: FileEntry(**entry) for name, entry in content["files"].items()},
         )
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+    except (*_NO_FILE, ValueError, LookupError, TypeError, AttributeError, RecursionError):
         return None
 
 
@@ -209,22 +244,28 @@ def output_folder(
         yield OutputFolder(staging, target)
         try:
             # Write the manifest, and keep the files that belong to the user.
-            names = sorted(path.relative_to(staging).as_posix() for path in staging.rglob("*") if not path.is_dir())
+            names = [path.relative_to(staging).as_posix() for path in _files_below(staging)]
             files = {name: file_entry(staging / name) for name in names}
             (staging / MANIFEST_NAME).write_text(replace(manifest, files=files).text(), "utf-8")
-            _bring_along(target, staging)
+            before = read_manifest(target)
+            if before is not None:
+                _bring_along(target, staging, {*before.files, MANIFEST_NAME, ORIGIN_NAME})
             if design is not None and design.is_file():
                 (staging / ORIGIN_NAME).write_text(origin_text(target, design), "utf-8")
         except OSError as error:
             raise _refused(target, error) from error
 
 
-def write_folder(target: Path, files: Mapping[str, bytes], refuse: Callable[[Path], None]) -> None:
-    """Make ``target`` hold just these files, by name; see :func:`whole_folder`."""
+def write_folder(
+    target: Path, files: Mapping[str, bytes], refuse: Callable[[Path], None], *, keep: bool = False
+) -> None:
+    """Make ``target`` hold just these files, by name, or with ``keep`` these and others; see :func:`whole_folder`."""
     with whole_folder(target, refuse) as staging:
         folder = OutputFolder(staging, target)
         for name, data in files.items():
             folder.write(name, data)
+        if keep:
+            _bring_along(target, staging, files)
 
 
 @contextmanager
@@ -242,7 +283,7 @@ def whole_folder(target: Path, refuse: Callable[[Path], None], timeout_s: float 
     with ExitStack() as held:
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
-            held.enter_context(_lock(target.with_name(f".{target.name}.lock"), timeout_s))
+            held.enter_context(locked(target.with_name(f".{target.name}.lock"), timeout_s))
         except filelock.Timeout as error:
             raise OutputError(
                 f"{target}: another build has been writing here for {timeout_s:g} s; wait for it, stop it, or choose "
@@ -255,8 +296,11 @@ def whole_folder(target: Path, refuse: Callable[[Path], None], timeout_s: float 
 
 
 @contextmanager
-def _lock(path: Path, timeout_s: float) -> Iterator[None]:
-    """Hold the lock file ``path`` for the block; the system releases it when a process dies."""
+def locked(path: Path, timeout_s: float) -> Iterator[None]:
+    """Hold the lock file ``path`` for the block; the system releases it when a process dies.
+
+    Raises ``filelock.Timeout`` if another process holds it for longer.
+    """
     with filelock.FileLock(path, timeout=timeout_s):
         try:
             yield
@@ -264,7 +308,8 @@ def _lock(path: Path, timeout_s: float) -> Iterator[None]:
             if os.name == "posix":
                 # While it is held: who waits for it sees that the file it has opened is no longer there, and opens
                 # the next. Elsewhere a file that somebody has open cannot be removed: it stays.
-                path.unlink(missing_ok=True)
+                with suppress(OSError):
+                    path.unlink()
 
 
 @contextmanager
@@ -290,21 +335,19 @@ def _staging(target: Path, refuse: Callable[[Path], None]) -> Iterator[Path]:
                     continue  # linked from the folder before: on the disk already, and perhaps not ours to open
                 _sync(path)
             replace_folder(staging, target, old)
-            _sync(target.parent)
         except OSError as error:
             raise _refused(target, error) from error
+        with suppress(OSError):  # the output is there, and whole
+            _sync(target.parent)
     finally:
         shutil.rmtree(staging, ignore_errors=True)
 
 
-def _bring_along(target: Path, staging: Path) -> None:
-    before = read_manifest(target)
-    if before is None:
-        return
-    made = {*before.files, MANIFEST_NAME, ORIGIN_NAME}
-    for path in sorted(target.rglob("*")):
+def _bring_along(target: Path, staging: Path, made: Collection[str]) -> None:
+    """Link what is in ``target``, except the files ``made`` by this program, into the folder that replaces it."""
+    for path in _files_below(target) if target.exists() else ():
         name = path.relative_to(target)
-        if name.as_posix() in made or (path.is_dir() and not path.is_symlink()):
+        if name.as_posix() in made:
             continue
         place = staging / name
         if os.path.lexists(place):
@@ -317,6 +360,15 @@ def _bring_along(target: Path, staging: Path) -> None:
             os.link(path, place, follow_symlinks=False)
         except OSError:  # a file system without hard links
             shutil.copy2(path, place, follow_symlinks=False)
+
+
+def _files_below(folder: Path) -> Iterator[Path]:
+    """Every file and link; raises ``OSError`` for a folder that cannot be listed, which ``rglob`` would pass over."""
+    for path in sorted(folder.iterdir()):
+        if path.is_dir() and not path.is_symlink():
+            yield from _files_below(path)
+        else:
+            yield path
 
 
 def _checked(name: str) -> PurePosixPath:
@@ -363,8 +415,10 @@ def replace_folder(new: Path, target: Path, old: Path) -> None:
         shutil.rmtree(new, ignore_errors=True)
     else:
         target.rename(old)
-        new.rename(target)
-        shutil.rmtree(old, ignore_errors=True)
+        try:
+            new.rename(target)
+        finally:
+            recover(target, old)
 
 
 def recover(target: Path, old: Path) -> None:
@@ -393,10 +447,12 @@ ORIGIN_NAME = ".design-file"
 
 
 def write_from(design: Path, target: Path, files: Mapping[str, bytes]) -> None:
-    """Write files by name into ``target``, with the record. Raises as :func:`refuse_other_origin`, and ``OSError``."""
-    refuse_other_origin(target, design)
-    record = {target / ORIGIN_NAME: origin_text(target, design).encode()} if design.is_file() else {}
-    write_whole({target / name: data for name, data in files.items()} | record)
+    """Write files by name into ``target``, with the record, all or none; others in it stay.
+
+    Raises ``OutputError`` as :func:`refuse_other_origin` and :func:`whole_folder`.
+    """
+    record = {ORIGIN_NAME: origin_text(target, design).encode()} if design.is_file() else {}
+    write_folder(target, {**files, **record}, lambda folder: refuse_other_origin(folder, design), keep=True)
 
 
 def origin_text(target: Path, design: Path) -> str:
