@@ -1,7 +1,5 @@
 """Errors that a user can correct, with all information that is needed for it."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -47,7 +45,7 @@ class InputError(MbcdmError):
         self.problems = tuple(problems)
         super().__init__("\n".join(str(problem) for problem in self.problems))
 
-    def __reduce__(self) -> tuple[type[InputError], tuple[tuple[Problem, ...]]]:
+    def __reduce__(self) -> "tuple[type[InputError], tuple[tuple[Problem, ...]]]":
         """Whole across processes: pickle would make it anew of its text."""
         return type(self), (self.problems,)
 

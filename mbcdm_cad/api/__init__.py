@@ -41,7 +41,7 @@ from mbcdm_cad.api.designs import (
     trend,
 )
 from mbcdm_cad.errors import InputError, MbcdmError
-from mbcdm_cad.optimising.wishes import Effort
+from mbcdm_cad.optimising import Effort
 
 __all__ = [
     "load",

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from mbcdm_cad.measurement.file import MeasurementFile
     from mbcdm_cad.measurement.reading import Reading
     from mbcdm_cad.measurement.run import Run
+    from mbcdm_cad.optimising import Effort
     from mbcdm_cad.optimising.prices import Prices
     from mbcdm_cad.optimising.result import Optimum
-    from mbcdm_cad.optimising.wishes import Effort
     from mbcdm_cad.paper.published import PublishedResult
     from mbcdm_cad.paper.reproduce import PaperTable
     from mbcdm_cad.planning.best_run import NextRun
@@ -109,7 +109,8 @@ def optimise(
     ``InputError`` for mistakes in a file, ``MbcdmError`` for wishes that the layouts cannot answer.
     """
     from mbcdm_cad.jobs.outputs import optimise
-    from mbcdm_cad.optimising.wishes import Effort, over_tolerances, wishes_of
+    from mbcdm_cad.optimising import Effort
+    from mbcdm_cad.optimising.wishes import over_tolerances, wishes_of
 
     listed = [designs] if isinstance(designs, DriveDesign | str | Path) else list(designs)
     if over == "tolerances":
@@ -138,8 +139,8 @@ def prices(
     """
     from threadpoolctl import threadpool_limits
 
+    from mbcdm_cad.optimising import Effort
     from mbcdm_cad.optimising.prices import prices_of
-    from mbcdm_cad.optimising.wishes import Effort
 
     with threadpool_limits(1):
         effort = Effort(workers=workers, scheduler=scheduler)

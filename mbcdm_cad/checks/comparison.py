@@ -1,7 +1,5 @@
 """Comparison of a figure with its limit, the check that makes it, and the result of a check."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial, wraps
@@ -42,7 +40,7 @@ class Comparison(NamedTuple):
         return self.sense * (self.actual - self.limit)
 
     @property
-    def shown(self) -> Comparison:
+    def shown(self) -> "Comparison":
         """The same with 0 in place of a figure that differs from it only by rounding."""
         nothing = 0.0 < abs(self.actual) < SHARE_OF_NOTHING * abs(self.limit)
         return self._replace(actual=0.0) if nothing else self
@@ -111,7 +109,7 @@ class Check:
         """Status of this drive if the limit is not kept."""
         return "warn" if self.warns is not None and self.warns(drive) else self.severity
 
-    def but(self, **changes: Any) -> Check:
+    def but(self, **changes: Any) -> "Check":
         """The same check with other fields."""
         return replace(self, **changes)
 

@@ -34,7 +34,7 @@ from mbcdm_cad.cli.group import (
 )
 from mbcdm_cad.design.template import slug
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
-from mbcdm_cad.optimising.wishes import GROWTH
+from mbcdm_cad.optimising import GROWTH
 from mbcdm_cad.report.table import designs_shown
 from mbcdm_cad.storage.folders import refuse_missing_folder, write_whole
 

@@ -8,6 +8,7 @@ import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -28,13 +29,10 @@ from mbcdm_cad.cli.group import (
     sign_of_life,
 )
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
-from mbcdm_cad.loop.as_built import applied_words
-from mbcdm_cad.loop.correction_files import correction_words
-from mbcdm_cad.loop.judge import drive_of, json_bytes
-from mbcdm_cad.loop.study import is_study, load_study
-from mbcdm_cad.measurement.file import MeasurementFile, load_file, with_ratio
-from mbcdm_cad.measurement.schema import MOTION
 from mbcdm_cad.storage.folders import refuse_missing_folder, write_whole
+
+if TYPE_CHECKING:
+    from mbcdm_cad.measurement.file import MeasurementFile
 
 RATIO = click.option(
     "--ratio",
@@ -168,8 +166,6 @@ def loop(
         raise click.UsageError("give the measurement files after the design, or --ratio in place of a design")
     else:
         loaded = load(design)  # before the other imports, so that bad input is reported at once
-    from mbcdm_cad.cli.commands_on_runs import Outputs, loop_command
-
     return loop_command(loaded, measurements, ratio, Outputs(json_path, as_built, report, correction, next_path))
 
 
@@ -319,6 +315,13 @@ def loop_command(
 
     ``ratio``: total ratio of a drive without a design.
     """
+    from mbcdm_cad.loop.as_built import applied_words
+    from mbcdm_cad.loop.correction_files import correction_words
+    from mbcdm_cad.loop.judge import drive_of, json_bytes
+    from mbcdm_cad.loop.study import is_study, load_study
+    from mbcdm_cad.measurement.file import load_file, with_ratio
+    from mbcdm_cad.measurement.schema import MOTION
+
     study = measurements[0] if len(measurements) == 1 and is_study(measurements[0]) else None
     files = list(load_study(study).files) if study else [load_file(path) for path in measurements]
     files = [with_ratio(file, ratio) for file in files]
@@ -362,8 +365,10 @@ def loop_command(
     return 0
 
 
-def _published(loaded: api.DriveDesign | None, files: Sequence[MeasurementFile], wanted: Outputs) -> int:
+def _published(loaded: api.DriveDesign | None, files: Sequence["MeasurementFile"], wanted: Outputs) -> int:
     """Judge the figures of a paper: possible causes, without a fit."""
+    from mbcdm_cad.loop.judge import json_bytes
+
     if len(files) > 1 or any(one is not None for one in (wanted.as_built, wanted.correction, wanted.next)):
         remedy = "use it alone, without --apply, --correction and --next"
         wrong = next(file for file in files if file.content.published is not None)
@@ -385,7 +390,7 @@ def _published(loaded: api.DriveDesign | None, files: Sequence[MeasurementFile],
     return 0
 
 
-def _refuse_outputs(loaded: api.DriveDesign | None, files: Sequence[MeasurementFile], wanted: Outputs) -> None:
+def _refuse_outputs(loaded: api.DriveDesign | None, files: Sequence["MeasurementFile"], wanted: Outputs) -> None:
     """Raise InputError if an output would replace an input or another output, or if its folder does not exist."""
     taken = [("measurement file", file.path) for file in files]
     taken += [] if loaded is None else [("design file", loaded.loaded.path)]

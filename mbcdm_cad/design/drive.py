@@ -4,8 +4,6 @@ The YAML file is validated by :mod:`mbcdm_cad.design.loader`; what the other roo
 Units are those of the file: mm, degrees, N, grams, GPa. The model converts to SI in one place of its own.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -43,7 +41,7 @@ class Sigmas:
     # Of the layout's own lengths, by the length's name. A dict has no hash.
     lengths_mm: Mapping[str, float | tuple[float, ...]] = field(default_factory=dict, hash=False)
 
-    def of_cables(self, places: Sequence[int]) -> Sigmas:
+    def of_cables(self, places: Sequence[int]) -> "Sigmas":
         """The same with the cables at these places alone."""
 
         def of(size: float | tuple[float, ...]) -> Any:

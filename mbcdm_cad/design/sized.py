@@ -4,8 +4,6 @@ Which of them ``mbcdm solve`` may change, and within which limits. Of a value th
 requirement that asks for it is named, not the value, which the user did not write: what can be changed is a requirement
 that the rule rests on; a value of it that works is found by trying and stands in the message."""
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -129,7 +127,7 @@ class SizingError(Exception):
         super().__init__("; ".join(rule.what for rule in broken))
         self.broken = broken
 
-    def __reduce__(self) -> tuple[type[SizingError], tuple[Broken, ...]]:
+    def __reduce__(self) -> "tuple[type[SizingError], tuple[Broken, ...]]":
         """Whole across processes, as :class:`~mbcdm_cad.errors.InputError`."""
         return type(self), self.broken
 

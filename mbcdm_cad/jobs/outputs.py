@@ -32,10 +32,11 @@ from mbcdm_cad.measurement.logformat import find_format, wrong
 from mbcdm_cad.measurement.reading import load_measurement
 from mbcdm_cad.measurement.vet import vetted_runs
 from mbcdm_cad.model.si import ModelError
+from mbcdm_cad.optimising import Effort
 from mbcdm_cad.optimising.evaluate import refuse_unknown
 from mbcdm_cad.optimising.result import Optimum, optimum_of, optimum_page
 from mbcdm_cad.optimising.search import FrontSearch, Journal, Told, sole_search
-from mbcdm_cad.optimising.wishes import Effort, Wishes, variables_of
+from mbcdm_cad.optimising.wishes import Wishes, variables_of
 from mbcdm_cad.planning.best_run import BestRun, best_run, run_of
 from mbcdm_cad.planning.plan import RunPlan, noise_from, plan_of
 from mbcdm_cad.report.table import TextReport

@@ -7,8 +7,6 @@ compliance, so that mass times compliance is least. All of these are one search,
 What makes another check fail is taken back: there the bounds of the design refuse.
 """
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -50,8 +48,9 @@ _TRIED, _MOST = 1.1, 2.5
 _LEAST_SHARE, _LEAST_GAIN, _LEAST_ROUND, _MUCH = 0.03, 0.004, (0.01, 0.03), -0.1
 # What is aimed at beyond a figure, for rounding. Least % of mass that 1 % of a value counts with.
 _SPARE, _LEAST_COST = 1.01, 1e-6
-# Share by a fine mesh over that by the rough one, at most.
-_OFF_ROUGH = 1.04
+# Share by a fine mesh over that by the rough one, at most. Share of mass times turn that may be given for a structure
+# which is no longer warned of (a choice).
+_OFF_ROUGH, _CHEAP = 1.04, 0.05
 # Turn that counts as none, urad/N m; share of a drum's turn in its plane from which on bending out of it is left out.
 _NO_TURN, _FLAT = 1e-9, 0.93
 _NO_DRIVE = (NoFigureError, ValueError, ZeroDivisionError)
@@ -234,7 +233,7 @@ class _Weighed:
         """Whether the end asks for more, or cannot tell."""
         return not (end.field and end.holds(sum(self.counted(end).values()), self.turns[CABLES]))
 
-    def better(self, end: _End, before: _Weighed) -> bool:
+    def better(self, end: _End, before: "_Weighed") -> bool:
         """Whether it is nearer to the end than another; to a figure that the file asks for every step counts."""
         if end.of:
             return sum(self.counted(end).values()) < sum(before.counted(end).values())
@@ -579,9 +578,11 @@ def stiffened(
     drive, most = run.stiffer(drive), most_share(drive.layout) / _OFF_ROUGH
     within = _End("structure_share", lambda turn, cables: turn <= most * cables, share=True)
     if run.weighs and run.ends[-1].most_g == inf and drive.left(within):
-        # Where least mass times turn leaves a structure that is warned of, it is made as stiff as that asks.
+        # Where least mass times turn leaves a structure that is warned of, it is made as stiff as that asks, if cheap.
         run.ends, run.left = (within,), _SIZINGS
-        drive = run.stiffer(drive)
+        stiffer = run.stiffer(drive)
+        if not stiffer.left(within) and stiffer.worth < drive.worth + _CHEAP:
+            drive = stiffer
     return drive.sizing
 
 

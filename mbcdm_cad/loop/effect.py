@@ -4,8 +4,6 @@ Everything that the search, the judgement and the report must know of an effect 
 one file of ``effects/``. Shapes that several effects share stand below.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Literal
@@ -105,10 +103,10 @@ class Effect:
     unmeasured: bool = False
     plain: str = ""
     reversed_words: Words | None = None
-    base: Effect | None = None
+    base: "Effect | None" = None
     later: Callable[[Setup, Floats, Simulator], Setup] | None = None
-    richer: Callable[[], list[Effect]] | None = None
-    shapes: Callable[[], list[Effect]] | None = None
+    richer: "Callable[[], list[Effect]] | None" = None
+    shapes: "Callable[[], list[Effect]] | None" = None
 
     @property
     def words(self) -> Words:

@@ -8,8 +8,6 @@ quantity is interpolated linearly onto the times of the output, which stays as i
 logged for long, the samples there are left out.
 """
 
-from __future__ import annotations
-
 import re
 import warnings
 from collections.abc import Callable, Iterator, Sequence
@@ -66,7 +64,7 @@ class DataTable:
                 return line
             line = moved
 
-    def only(self, kept: NDArray[np.bool_]) -> DataTable:
+    def only(self, kept: NDArray[np.bool_]) -> "DataTable":
         """The table with the rows ``kept`` (n,) alone."""
         lines = np.arange(self.begin_line, self.begin_line + kept.size + self.skipped_lines.size)
         of_rows = np.setdiff1d(lines, self.skipped_lines)[: kept.size]

@@ -6,8 +6,6 @@ the one whose slope meets the drive's ratio in units that its figures may have, 
 the names speak most. A column whose name says speed, current, command or flag is an angle only if no other pair is one.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -151,7 +149,7 @@ class Expected:
     output_counts: float | None = None
 
     @classmethod
-    def of_drive(cls, drive: Drive) -> Expected:
+    def of_drive(cls, drive: Drive) -> "Expected":
         """From a design."""
         return cls(
             drive.name,
@@ -163,7 +161,7 @@ class Expected:
         )
 
     @classmethod
-    def of_ratio(cls, ratio: float) -> Expected:
+    def of_ratio(cls, ratio: float) -> "Expected":
         """From the total ratio of a drive with one input, of which nothing else is known."""
         return cls("", ("input",), ratio)
 

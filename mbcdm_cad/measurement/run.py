@@ -1,7 +1,5 @@
 """One measured run in SI units, as every later step uses it, its half sweeps, and one note of its vetting."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from dataclasses import field as with_default
@@ -54,7 +52,7 @@ class TorqueClass:
     gain_sigma: float | None = None
 
     @classmethod
-    def of_motors(cls, constant_sigma: float) -> TorqueClass:
+    def of_motors(cls, constant_sigma: float) -> "TorqueClass":
         """Of motors' currents: the torque constant's spread is one of the gain, a zero is the amplifiers' alone."""
         return cls(2.0 * constant_sigma, 0.0, what=MOTORS_CURRENT, zero_share=cls.share, gain_sigma=constant_sigma)
 

@@ -10,8 +10,6 @@ cables as they become slack or tight, converges in a few steps. Cases that do no
 inside a bracket, which is slow but always converges.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property
@@ -40,7 +38,7 @@ TAUT_AGAIN = 1e-3
 KEPT_SIZE, KEPT = 64, 512
 # A tension below this share of the preload counts as zero: it is far below the rounding errors of the others.
 FAINT_SHARE = 1e-12
-_solved: dict[tuple[Any, ...], Equilibrium] = {}
+_solved: "dict[tuple[Any, ...], Equilibrium]" = {}
 
 
 def stretch(d: DriveSI, tension_N: Floats, turned_at_N: Floats | None) -> tuple[Floats, Floats]:

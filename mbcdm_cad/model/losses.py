@@ -14,8 +14,6 @@ with w = +1 where the motors move the drum against its load, -1 where the load m
 and passed bodies is shared by the inputs evenly.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -280,7 +278,7 @@ class Train:
         """Torque at its output that a gearhead gives forward for ``motor_Nm`` on the motor's shaft."""
         return np.asarray((np.asarray(motor_Nm) * self.gear_ratio - self.gear_idle_Nm) / (1.0 + self.gear_share))
 
-    def with_drive(self, d: DriveSI) -> Train:
+    def with_drive(self, d: DriveSI) -> "Train":
         """The same train with other preloads or wraps."""
         return self if d is self.d else replace(self, d=d)
 

@@ -6,8 +6,8 @@ from typing import Any
 
 from mbcdm_cad.design.yamltree import leaves
 from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.optimising import Effort
 from mbcdm_cad.optimising.evaluate import Evaluated, evaluate, refuse_unknown
-from mbcdm_cad.optimising.wishes import Effort
 from mbcdm_cad.parallel.forks import crew
 from mbcdm_cad.report.table import ReportTable, TextReport
 from mbcdm_cad.solving.question import ASIDE, Fixed, Question

@@ -22,9 +22,10 @@ import filelock
 import numpy as np
 
 from mbcdm_cad.errors import OutputError
+from mbcdm_cad.optimising import Effort
 from mbcdm_cad.optimising.engine import Engine, front_of, hypervolume, reference_of
 from mbcdm_cad.optimising.evaluate import FAULT, NO_FIGURE, Evaluated, evaluate
-from mbcdm_cad.optimising.wishes import Effort, Keep, Values, Variable, Wishes, point_of
+from mbcdm_cad.optimising.wishes import Keep, Values, Variable, Wishes, point_of
 from mbcdm_cad.parallel.forks import Crew, crew
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.solving.question import Question

@@ -3,8 +3,6 @@
 A place is a rigid motion as plain numbers. This module needs no CAD kernel: if all parts are in the cache, a build
 draws nothing."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Collection, Iterable, Sequence
@@ -50,17 +48,17 @@ class Placement:
             )
 
     @classmethod
-    def identity(cls) -> Placement:
+    def identity(cls) -> "Placement":
         """The part's frame is the assembly's frame."""
         return cls.translation(0.0, 0.0, 0.0)
 
     @classmethod
-    def translation(cls, x_mm: float, y_mm: float, z_mm: float) -> Placement:
+    def translation(cls, x_mm: float, y_mm: float, z_mm: float) -> "Placement":
         """A shift without rotation."""
         return cls(((1.0, 0.0, 0.0, x_mm), (0.0, 1.0, 0.0, y_mm), (0.0, 0.0, 1.0, z_mm)))
 
     @classmethod
-    def about(cls, axis: Vector, angle_deg: float, point_mm: Vector = (0.0, 0.0, 0.0)) -> Placement:
+    def about(cls, axis: Vector, angle_deg: float, point_mm: Vector = (0.0, 0.0, 0.0)) -> "Placement":
         """Right-handed rotation by ``angle_deg`` about the line through ``point_mm`` along ``axis`` (any length).
 
         Multiples of 90 degrees about a coordinate axis come out exact (no 6e-17 in the files).
@@ -82,7 +80,7 @@ class Placement:
         return cls._of(rotation, point - rotation @ point)
 
     @classmethod
-    def _of(cls, rotation: NDArray[np.float64], shift: NDArray[np.float64]) -> Placement:
+    def _of(cls, rotation: NDArray[np.float64], shift: NDArray[np.float64]) -> "Placement":
         rows = np.column_stack((rotation, shift)) + 0.0
         first, second, third = ((float(a), float(b), float(c), float(d)) for a, b, c, d in rows)
         return cls((first, second, third))
@@ -97,13 +95,13 @@ class Placement:
         """Place of the part's origin in the assembly, mm, shape (3,)."""
         return np.array(self.rows)[:, 3]
 
-    def __matmul__(self, inner: Placement) -> Placement:
+    def __matmul__(self, inner: "Placement") -> "Placement":
         """``(a @ b)`` moves by b first, then by a."""
         (r0, r1, r2), columns = self.rows, tuple(zip(*inner.rows, strict=True))
         return Placement((_times(r0, columns), _times(r1, columns), _times(r2, columns)))
 
     @property
-    def inverse(self) -> Placement:
+    def inverse(self) -> "Placement":
         """The inverse motion."""
         back = self.rotation.T
         return self._of(back, -back @ self.shift_mm)

@@ -6,8 +6,6 @@ Every piece is parametrised by a fraction 0..1, knows its exact length and its e
 A cable's path joins them to its true centre line at one drum angle; it is drawn and measured.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
@@ -386,12 +384,12 @@ class CablePath:
         """Length of the whole centre line."""
         return sum(p.length_mm for _, p in self.pieces)
 
-    def only(self, names: tuple[str, ...]) -> CablePath:
+    def only(self, names: tuple[str, ...]) -> "CablePath":
         """The path made of the pieces called ``names`` alone."""
         kept = tuple(p for p in self.pieces if p[0] in names)
         return CablePath(self.cable, self.drum_angle_rad, kept, diameter_mm=self.diameter_mm)
 
-    def each(self, change: Callable[[Any], Piece]) -> CablePath:
+    def each(self, change: Callable[[Any], Piece]) -> "CablePath":
         """The path with each of its pieces changed."""
         return replace(self, pieces=tuple((name, change(piece)) for name, piece in self.pieces))
 

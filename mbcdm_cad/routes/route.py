@@ -14,8 +14,6 @@ the last term being the rope that both wraps gain. Where the axes are not parall
 body at a point, only the first order is used; the second order is the rotation of the span, some nm for 10 um.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """The question of a search: design file, fixed and free fields, form of a trial; its answer written into the file."""
 
-from __future__ import annotations
-
 import copy
 import difflib
 from collections.abc import Iterator, Mapping
@@ -162,7 +160,7 @@ class Question:
         data, moved = self.trial(point)
         return stated(data, moved, self.resolve(data, moved)) if moved else data
 
-    def relaxed(self, point: Point) -> Question:
+    def relaxed(self, point: Point) -> "Question":
         """The same question for the file with the values of ``point``."""
         data, _ = self.trial(point)
         ranges = {field: found for field, found in self.ranges.items() if field not in point}

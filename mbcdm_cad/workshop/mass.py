@@ -3,8 +3,6 @@
 Masses in g, lengths in mm, inertia in g mm^2 (1 g mm^2 = 1e-9 kg m^2).
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -45,7 +43,7 @@ class ShapeProperties:
         return json.dumps(asdict(self))
 
     @classmethod
-    def from_json(cls, text: str | bytes) -> ShapeProperties:
+    def from_json(cls, text: str | bytes) -> "ShapeProperties":
         """The properties from :meth:`to_json`, to the last bit."""
         content = json.loads(text)
         return cls(
@@ -95,7 +93,7 @@ class MassProperties:
         """The inertia tensor about the centre of gravity in SI."""
         return _matrix(np.array(self.inertia_g_mm2) * _KG_M2_PER_G_MM2)
 
-    def placed(self, placement: Placement) -> MassProperties:
+    def placed(self, placement: Placement) -> "MassProperties":
         """The properties of the same body after the motion ``placement``."""
         rotation = placement.rotation
         turned = rotation @ np.array(self.inertia_g_mm2) @ rotation.T
@@ -175,7 +173,7 @@ class PartFiles:
         return {"brep": self.brep, "step": self.step, "mesh": self.mesh.to_bytes(), "properties": properties}
 
     @classmethod
-    def from_blobs(cls, name: str, blobs: Mapping[str, bytes]) -> PartFiles:
+    def from_blobs(cls, name: str, blobs: Mapping[str, bytes]) -> "PartFiles":
         """The part from :meth:`to_blobs`."""
         mesh = TriangleMesh.from_bytes(blobs["mesh"])
         return cls(name, blobs["brep"], blobs["step"], mesh, ShapeProperties.from_json(blobs["properties"]))

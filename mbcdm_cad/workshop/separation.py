@@ -6,8 +6,6 @@ sorted into a tree of bounding boxes, and two trees are traversed together (Eric
 2005, chapters 5 and 6, for the distances and the traversal).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import cached_property
 from math import ceil, log2
@@ -41,12 +39,12 @@ class Surface:
         self.wire = wire
 
     @classmethod
-    def of_mesh(cls, mesh: TriangleMesh) -> Surface:
+    def of_mesh(cls, mesh: TriangleMesh) -> "Surface":
         """The surface of a solid."""
         return cls(mesh.corners_mm, _DEVIATION_FACTOR * mesh.deviation_mm + _ROUNDING_MM)
 
     @classmethod
-    def of_rod(cls, pieces: Sequence[Piece], radius_mm: float) -> Surface:
+    def of_rod(cls, pieces: Sequence[Piece], radius_mm: float) -> "Surface":
         """A rod of ``radius_mm`` along ``pieces`` of a centre line: the line in chords, all within the radius."""
         chords, sagitta = [], 0.0
         for piece in pieces:

@@ -1,7 +1,5 @@
 """A triangle mesh as plain arrays, with the sums and tests that need no kernel."""
 
-from __future__ import annotations
-
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -85,13 +83,13 @@ class TriangleMesh:
         return buffer.getvalue()
 
     @classmethod
-    def empty(cls) -> TriangleMesh:
+    def empty(cls) -> "TriangleMesh":
         """An empty mesh, for a part that is not shown."""
         none = np.empty((0, 3))
         return cls(none, none, np.empty((0, 3), np.int32), np.empty((0, 2), np.int32), 0.0)
 
     @classmethod
-    def from_bytes(cls, data: bytes) -> TriangleMesh:
+    def from_bytes(cls, data: bytes) -> "TriangleMesh":
         """The mesh from :meth:`to_bytes`."""
         with np.load(io.BytesIO(data), allow_pickle=False) as stored:
             return cls(

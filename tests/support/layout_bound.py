@@ -5,8 +5,6 @@ fields that the file leaves open take their most favourable value. If no combina
 exists.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -47,7 +45,7 @@ class Asked:
     surface: str | None = None
     wall_mm: float = MILLED_WALL_MM
 
-    def only(self, names: tuple[str, ...]) -> Asked:
+    def only(self, names: tuple[str, ...]) -> "Asked":
         """With all other requirements left out."""
         return Asked(**{name: getattr(self, name) if name in names else None for name in NAMES}, wall_mm=self.wall_mm)
 

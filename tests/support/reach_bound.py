@@ -6,8 +6,6 @@ favourable value. If no combination meets all conditions, no design exists. The 
 are only a small part of the checks.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -55,7 +53,7 @@ class Asked:
     rope: str | None
     distance: float | None
 
-    def only(self, names: tuple[str, ...]) -> Asked:
+    def only(self, names: tuple[str, ...]) -> "Asked":
         """With all other requirements left out."""
         return Asked(**{name: getattr(self, name) if name in names else None for name in NAMES})
 

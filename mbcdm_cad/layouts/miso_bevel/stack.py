@@ -14,8 +14,6 @@ All levels follow from the cable steps: the pulleys end just beyond their bands 
 pulleys, the drives from the shelves. All mm.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from math import radians, sqrt
 
@@ -82,7 +80,7 @@ class Stack(InputLevels):
         return self.motor_bottom_z > self.top_plate_top_z
 
     @property
-    def from_gearhead(self) -> Stack:
+    def from_gearhead(self) -> "Stack":
         """The same levels with heights along an input's axis, from its gearhead to its encoder.
 
         With motors above, z is reversed, and shelf and plate change their names: the bearing shelf is next to the

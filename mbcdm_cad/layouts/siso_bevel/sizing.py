@@ -1,7 +1,5 @@
 """Sizing rules of siso_bevel, in the order of the power flow; many evaluate checks on a trial drive (trial_sizing)."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from math import ceil
@@ -41,7 +39,7 @@ RESERVES_DEG = (RESERVE_DEG, 17.0, 16.0, LEAST_RESERVE_DEG)
     "input_under_turn",
     lambda given: not given.has(at.transmission.input_radii_mm),
 )
-def _ratio(given: DirectKnown) -> Found:
+def _ratio(given: "DirectKnown") -> Found:
     """The highest ratio at which the travel, the reserve and the stop's slot stay within a turn of the input."""
     field, reserve = at.transmission.input_to_drum, given.get(at.transmission.reserve_deg, RESERVE_DEG)
     most = (360.0 - reserve - SLOT_DEG) / (2 * given[at.travel.half_angle_deg])
@@ -56,12 +54,12 @@ def _ratio(given: DirectKnown) -> Found:
     "usual wrap that never unwinds, or less if one turn of the input leaves less",
     "input_reserve",
 )
-def _reserve(given: DirectKnown) -> Found:
+def _reserve(given: "DirectKnown") -> Found:
     return given.first(at.transmission.reserve_deg, RESERVES_DEG, ("input_under_turn",))
 
 
 @rule(at.transmission.drum_radii_mm, "step 1 as stated; step 2 the smallest that the lands allow", "land_width")
-def drum_radii(given: DirectKnown) -> Found:
+def drum_radii(given: "DirectKnown") -> Found:
     """The smallest radius of step 2 that the lands at the transfer allow."""
     first, rise = given[at.transmission.drum_radius_mm], 0.1 * given.d_mm * given.ratio
     pairs = [[first, round(first + (4 + k) * rise, 2)] for k in range(_STEPS_TRIED)]
@@ -70,17 +68,17 @@ def drum_radii(given: DirectKnown) -> Found:
 
 
 @rule(at.support.side_wall_mm, "usual walls, thick enough for the motor head's screws", "flange")
-def _side_wall(given: DirectKnown) -> Found:
+def _side_wall(given: "DirectKnown") -> Found:
     return given.moved(at.support.side_wall_mm, head_dims.side_wall(given), 0.1, ("flange", "collar_space", "walls"))
 
 
 @rule(at.support.back_plate_mm, "usual thickness for making it in its material", "walls")
-def back_plate(given: DirectKnown) -> float:
+def back_plate(given: "DirectKnown") -> float:
     return rounded_up(max(head_dims.either(given, "support", BACK_MM), given.wall_mm("support")), 0.1)
 
 
 @rule(at.support.rib_mm, "usual thickness, or less for the height of its pockets", "pockets")
-def rib(given: DirectKnown) -> Found:
+def rib(given: "DirectKnown") -> Found:
     """The usual thickness, or less if the pockets of a small drum else have no height."""
     least = given.wall_mm("support")
     usual = max(head_dims.either(given, "support", RIB_MM), least)
@@ -93,7 +91,7 @@ def rib(given: DirectKnown) -> Found:
     "nearest plane with space for the pulley and between the drum's bearings",
     "drum_bearing_spacing",
 )
-def back(given: DirectKnown) -> Found:
+def back(given: "DirectKnown") -> Found:
     start = -given.drum_mm / given.ratio
     checks = ("drum_bearing_spacing", "boss", "pockets", "pulley_room", "encoder_room")
     return given.moved(at.support.back_y_mm, start, -0.5, checks)

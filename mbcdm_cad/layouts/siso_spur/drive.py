@@ -1,7 +1,5 @@
 """A siso_spur drive: the shared values of drives with a drum sector, the winding of its input and its frame."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import acos, hypot, inf, pi, radians, sqrt, tan, tau
@@ -93,7 +91,7 @@ class SpurDrive(SectorDrive):
     level_mm: float = 0.0
     frame_angle_rad: float = tau
     idlers: IdlerBlock | None = None
-    first_stage: SpurDrive | None = None
+    first_stage: "SpurDrive | None" = None
     open_spans: bool = False
     parallel: int = 1
 
@@ -132,10 +130,10 @@ class SpurDrive(SectorDrive):
         return max(self.loads.peak_torque_Nm, stalled) * (count - 1) / count
 
     @cached_property
-    def _units(self) -> dict[int, SpurDrive]:
+    def _units(self) -> "dict[int, SpurDrive]":
         return {}
 
-    def unit(self, index: int) -> SpurDrive:
+    def unit(self, index: int) -> "SpurDrive":
         """The cable with this index, its sector and its input as a separate drive, the input above the drum."""
         if len(self.angles_rad) == 1:
             return self
@@ -143,7 +141,7 @@ class SpurDrive(SectorDrive):
             self._units[index] = self._made_unit(index)
         return self._units[index]
 
-    def _made_unit(self, index: int) -> SpurDrive:
+    def _made_unit(self, index: int) -> "SpurDrive":
         places = (2 * index, 2 * index + 1)
         cables = [self.cables[j] for j in places]
         level = self.level_mm + self.levels_mm[index]

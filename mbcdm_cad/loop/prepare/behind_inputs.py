@@ -7,8 +7,6 @@ goes with the square of the torque (Masing) has the part 1 - 4i/(3 pi) of its co
 softening and hysteresis are one figure.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -53,7 +51,7 @@ class BehindInputs:
     drum_kg_m2: float = 0.0
     payload_kg_m2: float = 1.0
 
-    def at(self, amplitude_Nm: float) -> BehindInputs:
+    def at(self, amplitude_Nm: float) -> "BehindInputs":
         """The same with the cables linear as they are at this amplitude, without their hysteresis."""
         cables = float(np.interp(amplitude_Nm, self.torque_Nm, self.cables_rad_Nm))
         return replace(self, torque_Nm=np.zeros(1), cables_rad_Nm=np.full(1, cables))

@@ -7,8 +7,6 @@ removed from the inputs is added back linearly (see :mod:`mbcdm_cad.loop.prepare
 A long run is prepared twice: the search works on stretches of it; the figures and errors are those of the whole.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -222,7 +220,7 @@ class Prepared:
             found.append((self.load_Nm, max(BENT_SHARE * float(np.ptp(self.load_Nm)), BENT_NOISE * noise)))
         return found
 
-    def following(self, cycles_a_turn: float) -> Prepared:
+    def following(self, cycles_a_turn: float) -> "Prepared":
         """The run with simulated samples close enough for a ripple of that order of the inputs.
 
         Similar orders share one object, so that a fit may change the order and still use the cached simulations.
@@ -232,7 +230,7 @@ class Prepared:
         order = 2.0 ** math.ceil(math.log2(cycles_a_turn))
         return self._followed.setdefault(order, replace(self, cycles_a_turn=order))
 
-    def building_up(self, path_rad: float) -> Prepared:
+    def building_up(self, path_rad: float) -> "Prepared":
         """The run with simulated samples close enough for a friction that builds up over such a path of the inputs."""
         path = 2.0 ** math.floor(math.log2(path_rad))
         if path == self.built_up_rad:
@@ -240,14 +238,14 @@ class Prepared:
         return self._followed.setdefault(-path, replace(self, built_up_rad=path))
 
     @cached_property
-    def _followed(self) -> dict[float, Prepared]:
+    def _followed(self) -> "dict[float, Prepared]":
         return {}
 
-    def rewindowed(self, factor: float) -> Prepared:
+    def rewindowed(self, factor: float) -> "Prepared":
         """The same samples with other windows on the difference of the inputs and on the load."""
         return self.driven_by(self.run, factor)
 
-    def driven_by(self, run: Run, factor: float = 1.0) -> Prepared:
+    def driven_by(self, run: Run, factor: float = 1.0) -> "Prepared":
         """The same samples with the smoothed difference of the inputs and load of ``run``, logged at the same times;
         ``factor`` scales the noise that the smoothing assumes."""
         at = self.cut.index

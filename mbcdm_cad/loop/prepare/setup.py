@@ -1,7 +1,5 @@
 """The simulated run: drive, inputs, load, cable paths and additions to the reading; and the simulation itself."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -65,39 +63,39 @@ class Setup:
         """The load that structure and output shaft carry: that of the cables without the friction that loads them."""
         return np.asarray(self.load - self.rubbed_Nm)
 
-    def with_rubbed(self, torque_Nm: Floats) -> Setup:
+    def with_rubbed(self, torque_Nm: Floats) -> "Setup":
         """Load the cables by a friction or a drag at the drum, (n,), beyond the output shaft."""
         return replace(self, load_Nm=self.load + torque_Nm, rubbed_Nm=self.rubbed_Nm + torque_Nm)
 
-    def with_path(self, path_m: Floats) -> Setup:
+    def with_path(self, path_m: Floats) -> "Setup":
         """Lengthen the paths of the cables."""
         return replace(self, path_m=path_m if self.path_m is None else self.path_m + path_m)
 
-    def with_shift(self, index: int, shift_rad: Floats) -> Setup:
+    def with_shift(self, index: int, shift_rad: Floats) -> "Setup":
         """Move one input pulley away from the angle of its encoder."""
         shift = np.zeros_like(self.p.angle_rad)
         shift[index] += shift_rad
         return self.with_shifts(shift)
 
-    def with_shifts(self, shift_rad: Floats) -> Setup:
+    def with_shifts(self, shift_rad: Floats) -> "Setup":
         """Move all input pulleys, (n_inputs, n)."""
         return replace(self, shift_rad=shift_rad if self.shift_rad is None else self.shift_rad + shift_rad)
 
-    def with_play(self, index: int, play_rad: float) -> Setup:
+    def with_play(self, index: int, play_rad: float) -> "Setup":
         """Add play between encoder and pulley of one input."""
         play = list(self.play_rad or [0.0] * self.drive.n_inputs)
         play[index] += play_rad
         return replace(self, play_rad=tuple(play))
 
-    def following(self, cycles_a_turn: float) -> Setup:
+    def following(self, cycles_a_turn: float) -> "Setup":
         """Simulate the cables on samples close enough for a ripple of that order of the inputs."""
         return replace(self, p=self.p.following(cycles_a_turn))
 
-    def with_added(self, added_rad: Floats) -> Setup:
+    def with_added(self, added_rad: Floats) -> "Setup":
         """Add to the reading."""
         return replace(self, added_rad=self.added_rad + added_rad)
 
-    def with_line(self, line: tuple[float, float, float]) -> Setup:
+    def with_line(self, line: tuple[float, float, float]) -> "Setup":
         """Add a line in angle to the reading."""
         return replace(self, lines=(*self.lines, line))
 

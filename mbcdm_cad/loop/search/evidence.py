@@ -14,8 +14,6 @@ likelihood; the innovations of its steady Kalman filter are white, and the same 
 (whitening). D. J. C. MacKay, Neural Computation 4 (1992) 415-447.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -70,7 +68,7 @@ class NoiseModel:
     starts: tuple[int, ...] = (0,)
     rest_rad: float = np.inf
 
-    def coarsened(self, samples: int, whole_rad: float) -> NoiseModel:
+    def coarsened(self, samples: int, whole_rad: float) -> "NoiseModel":
         """With the error of the model beside it, which grows with the whole error."""
         untold = np.hypot(ALIKE_SHARE * self.floor_rad, ALIKE_OF_WHOLE * whole_rad)
         beyond = max(samples * untold**2 / (2.0 * LOG_ODDS) - self.floor_rad**2, 0.0)

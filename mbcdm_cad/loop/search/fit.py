@@ -5,8 +5,6 @@ the input encoders (at most a step or two; one offset less than there are inputs
 has own values of some effects too: they are fitted in every fit, as the offsets are, and follow them in the same row.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass
@@ -181,14 +179,14 @@ class Fitter:
         """Name of the only run that has an effect; empty if all have it."""
         return "" if effect.run is None else self.runs[effect.run].run.source or f"run {effect.run + 1}"
 
-    def twin(self) -> Fitter:
+    def twin(self) -> "Fitter":
         """The same fitter with its own cache, for another thread."""
         other = copy(self)
         other.simulate = [Simulator() for _ in self.runs]
         other._changed = {}
         return other
 
-    def rewindowed(self, factor: float) -> Fitter:
+    def rewindowed(self, factor: float) -> "Fitter":
         """The same runs, smoothed as if their noise were ``factor`` times as large; computed once."""
         if factor not in self._rewindowed:
             runs = [p.rewindowed(factor) for p in self.runs]

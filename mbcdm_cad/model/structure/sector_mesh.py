@@ -6,8 +6,6 @@ equal steps of a: then the arc passes through nodes and halves the cells between
 Angles are from +Z towards +X, lengths in mm.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -127,7 +125,7 @@ class SectorMesh:
         np.add.at(joined, freedom, load)
         return solve(number[self.corner], stiffness, joined)[freedom]
 
-    def quarters(self, other: SectorMesh) -> Ints:
+    def quarters(self, other: "SectorMesh") -> Ints:
         """Of each Gauss point (4 n,) of ``other`` the quarter of an element here that it lies in: 4 element + corner.
 
         -1 where there is no metal here.

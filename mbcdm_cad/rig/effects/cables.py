@@ -1,7 +1,5 @@
 """Effects of pulleys (radius, eccentricity, lands, slip) and rope (modulus, friction, damage, creep, anchors)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -135,7 +133,7 @@ class LandWear(RigEffect):
     to_deg: SurfaceAngle
 
     @model_validator(mode="after")
-    def _in_order(self) -> LandWear:
+    def _in_order(self) -> "LandWear":
         if not self.to_deg > self.from_deg:
             raise ValueError("to_deg must lie above from_deg")
         return self

@@ -21,10 +21,11 @@ import pytest
 import mbcdm_cad as mc
 from mbcdm_cad.errors import MbcdmError, OutputError
 from mbcdm_cad.jobs import outputs as job
+from mbcdm_cad.optimising import Effort
 from mbcdm_cad.optimising import search as searching
 from mbcdm_cad.optimising.evaluate import Evaluated
 from mbcdm_cad.optimising.search import FrontSearch, Journal, Searched
-from mbcdm_cad.optimising.wishes import Effort, Keep, Variable, wishes_of
+from mbcdm_cad.optimising.wishes import Keep, Variable, wishes_of
 from mbcdm_cad.parallel import forks
 from mbcdm_cad.solving.question import Fixed, Point, Question, question_of
 from mbcdm_cad.storage.folders import OutputFolder

@@ -17,8 +17,6 @@ Assumptions, with their effect where solid finite elements of the reference fram
 On the whole it stays within 12 % of finite elements for ribs, back plate and side walls of 2 to 8 mm.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 
@@ -51,7 +49,7 @@ from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.route import two_bearing_reactions_N
 
 
-def _half_load(layout: BevelLayout, mesh: PlateMesh, loads: SeatLoads) -> Floats:
+def _half_load(layout: BevelLayout, mesh: PlateMesh, loads: "SeatLoads") -> Floats:
     """Nodal loads (6 m,) of the half x >= 0: the part of ``loads`` that changes sign in the mirror."""
     node = mesh.plates.node_mm
     total = np.zeros((len(node), 6))
