@@ -1,12 +1,15 @@
 """What the sizing of both layouts with a bevel transfer shares: what is known of a drive, and the rules of the gap."""
 
 from abc import abstractmethod
+from collections.abc import Mapping
 from itertools import pairwise
+from typing import Any
 
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM, TransferStacks
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.head_basis import counts_losses
+from mbcdm_cad.layouts.trial_drives import TrialDrives
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
 from mbcdm_cad.model.tolerance import StackUp
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
@@ -15,10 +18,19 @@ from mbcdm_cad.sizing.rule import Found, driver_of, rounded_down, rounded_up, ru
 RADII, LAND_EDGE = at.transmission.drum_radii_mm, at.clearances.land_edge_mm
 # Half of it holds a broken edge, the run-out and the tolerances of milled and turned parts: 0.1, 0.05 and 0.039 mm.
 LEAST_ROPE_MM = 0.38
+# Least D/d of the catalogue's wire ropes, for a rope of the next size, at most 1.25 times as thick.
+BENT_TO_NEXT = 28.0 * 1.25
 
 
 class TransferKnown(TrialKnown):
     """Adds the radii of a drum, and of the body before it, on which the cables lie beside each other."""
+
+    def __init__(self, data: dict[str, Any], guesses: Mapping[str, Any], drives: TrialDrives | None = None) -> None:
+        """See the base class; guessed radii, as of a similar drive, begin at the drum's own."""
+        super().__init__(data, guesses, drives)
+        radii = guesses.get(RADII)
+        if radii and radii[0] != self.drum_mm and not self.has(RADII):
+            self._filled = self._at_start = self._whole(RADII, [self.drum_mm + one - radii[0] for one in radii])
 
     @property
     def drum_mm(self) -> float:
@@ -31,15 +43,16 @@ class TransferKnown(TrialKnown):
         """Pitch radii of the body before the drum."""
 
     @property
-    @abstractmethod
     def states_lands(self) -> bool:
         """Whether the file states these radii."""
+        return self.has(RADII)
 
     @property
     def least_rope_mm(self) -> float:
-        """See the base class: a thinner one leaves the gap at the transfer less than milled parts' tolerances."""
-        milled = counts_losses(self) and not self.printed("drum") and not self.printed("support")
-        return LEAST_ROPE_MM if milled else 0.0
+        """See the base class: milled parts' tolerances at the transfer ask for it, unless it bends more than it may."""
+        if not counts_losses(self) or self.printed("drum") or self.printed("support"):
+            return 0.0
+        return min(LEAST_ROPE_MM, 2.0 * self.drum_mm / self.ratio / BENT_TO_NEXT) if self.has_ratio else LEAST_ROPE_MM
 
     def tolerance_mm(self, per_rope: float) -> float:
         """Sum of the tolerances (RSS) of a gap at the transfer; 0 for files that reckon as the paper does."""

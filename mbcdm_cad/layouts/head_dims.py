@@ -1,6 +1,6 @@
 """Sizing rules that layouts share: shelves of the inputs, and the drum without its width."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import replace
 from math import inf
@@ -234,10 +234,9 @@ WINDOWS = Rule(
 )
 
 
-def drum_rules(outer_face: str, outer_face_value: Callable[[Any], Found]) -> tuple[Rule, ...]:
+def drum_rules(outer_face: Rule) -> tuple[Rule, ...]:
     """Rules of a drum sector, of which layouts have that of its outer face of their own."""
-    face = Rule(at.drum.outer_face_y_mm, outer_face, "outer_face", outer_face_value)
-    return (shaft_bore, hub, WINDOWS, web, sector, stop_pin, rim, face, hub_face)
+    return (shaft_bore, hub, WINDOWS, web, sector, stop_pin, rim, outer_face, hub_face)
 
 
 def mount_screw(screws: Iterable[str], *checks: str) -> Rule:

@@ -45,7 +45,9 @@ def _ratio(given: "DirectKnown") -> Found:
     most = (360.0 - reserve - SLOT_DEG) / (2 * given[at.travel.half_angle_deg])
     with suppress(ValueError, NoFigureError):
         # The pulley of so high a ratio may be too small for the stop of a thick rope: then the checks alone limit it.
-        most = highest_ratio(given.trial_drive(field, 1.0))
+        drive = given.trial(field, 1.0).drive
+        assert isinstance(drive, DirectDrive)
+        most = highest_ratio(drive)
     return given.moved(field, most, -0.05, ("input_under_turn", "drum_sweep", "bearing_seats", "bend_ratio"))
 
 
@@ -97,18 +99,7 @@ def back(given: "DirectKnown") -> Found:
     return given.moved(at.support.back_y_mm, start, -0.5, checks)
 
 
-NAMES = (
-    SCHEMA_VERSION,
-    constant("inputs", REFERENCE.inputs, "one", "the configuration"),
-    constant("cables", REFERENCE.cables, "one cable for each sense of the drum", "the configuration"),
-)
-RATIO = (_ratio,)
-ROPE = (rope(taut_rope),)
-PRELOAD = (
-    Rule(at.rope.preload_N, "twice the preload that keeps both cables taut at peak torque", "no_slack", taut_preload),
-)
 TRANSFER = (land_edge, transfer_gap, drum_radii)
-RESERVE = (_reserve,)
 FRAME = (
     head_dims.motor_shelf,
     back_plate,
@@ -118,7 +109,7 @@ FRAME = (
     head_dims.coupling_space,
     _side_wall,
 )
-DRUM = head_dims.drum_rules(outer_face.text, outer_face.value)
+DRUM = head_dims.drum_rules(outer_face)
 
 
 class DirectKnown(TransferKnown):
@@ -142,9 +133,9 @@ class DirectKnown(TransferKnown):
         return [radius / self.ratio for radius in self[RADII]]
 
     @property
-    def states_lands(self) -> bool:
+    def has_ratio(self) -> bool:
         """See the base class."""
-        return self.has(RADII)
+        return any(self.has(field) for field in (at.transmission.input_to_drum, at.transmission.input_radii_mm))
 
     @property
     def ratio(self) -> float:
@@ -153,25 +144,21 @@ class DirectKnown(TransferKnown):
             return float(self[at.transmission.input_to_drum])
         return float(self[at.transmission.drum_radii_mm][0] / self[at.transmission.input_radii_mm][0])
 
-    def trial_drive(self, field: str, value: float) -> DirectDrive:
-        """The drive of a trial. Raises as :meth:`trial` does."""
-        found = self.trial(field, value).drive
-        assert isinstance(found, DirectDrive)
-        return found
-
 
 RULES: tuple[Rule, ...] = (
     half_travel,
-    *NAMES,
+    SCHEMA_VERSION,
+    constant("inputs", REFERENCE.inputs, "one", "the configuration"),
+    constant("cables", REFERENCE.cables, "one cable for each sense of the drum", "the configuration"),
     *LIMITS,
     *METALS,
-    *ROPE,
+    rope(taut_rope),
     *ROPE_LIMITS,
-    *PRELOAD,
-    *RATIO,
+    Rule(at.rope.preload_N, "twice the preload that keeps both cables taut at peak torque", "no_slack", taut_preload),
+    _ratio,
     *TRAIN,
     *TRANSFER,
-    *RESERVE,
+    _reserve,
     *PARTS,
     *FRAME,
     head_dims.mount_screw(MOUNT_SCREWS, "mounts"),
@@ -179,8 +166,6 @@ RULES: tuple[Rule, ...] = (
     back,
 )
 DERIVED = tuple(rule.field for rule in (*TRANSFER, *FRAME, *DRUM, back) if rule.field != at.drum.windows)
-
-
 STIFFENERS = (*SHARED, *walls("back_plate", "rib", "side_wall"))
 
 

@@ -80,6 +80,7 @@ def back(given: SpurKnown) -> Found:
     return given.moved(at.support.back_y_mm, -10.0, -0.5, ("drum_bearing_spacing", "boss"))
 
 
+@rule(at.drum.outer_face_y_mm, "least width for cable and terminals", "outer_face")
 def _outer_face(given: SpurKnown) -> Found:
     checks = ("rim_width", "outer_face", "terminals_apart", "lands_intact", "lug_stress", "web_in_rim")
     return given.moved(at.drum.outer_face_y_mm, 2.0, 0.1, checks)
@@ -173,6 +174,6 @@ FRAME = (
 )
 # The centre distance makes room for it.
 MOUNT = head_dims.mount_screw(MOUNT_BOLTS)
-DRUM = head_dims.drum_rules("least width for cable and terminals", _outer_face)
+DRUM = head_dims.drum_rules(_outer_face)
 IDLERS = (radius, places)
 WIDTH = (idler_bearing, width)
