@@ -289,17 +289,17 @@ def noise_from(drive: Drive, run: Run) -> Noise:
     return PlannedMotion(drive, run).noise if run.kind == MOTION else PlannedReadings(drive, run).noise
 
 
-def plan_of(drive: Drive, run: Run, noise: Noise | None = None) -> RunPlan:
-    """What ``run``, measured or only planned, can find on ``drive``. ``noise`` is that of a pilot run."""
+def plan_of(drive: Drive, run: Run, noise: Noise | None = None, power: float = POWER) -> RunPlan:
+    """What a run can find on a drive, with the ``noise`` of a pilot run; named with the probability ``power``."""
     if run.kind == FREQUENCY_RESPONSE:
         loop = ResponseLoop(drive, float(np.mean(layout_of(drive).si.total_ratio)), [arranged(run, drive)])
-        return RunPlan(loop.noise, tuple(_of_response(loop, POWER)), moves=False)
+        return RunPlan(loop.noise, tuple(_of_response(loop, power)), moves=False)
     if run.kind != MOTION:
         readings = PlannedReadings(drive, run, noise)
-        return RunPlan(readings.noise, tuple(readings.foreseen(POWER)), moves=False)
+        return RunPlan(readings.noise, tuple(readings.foreseen(power)), moves=False)
     planned = PlannedMotion(drive, run, noise)
     p = planned.fitter.runs[0]
-    found = tuple(planned.foreseen(POWER))
+    found = tuple(planned.foreseen(power))
     alike = tuple(friction_alike(p.speed_rad_s, p.load_Nm))
     return RunPlan(planned.noise, found, alike, _proposals(run, found))
 
