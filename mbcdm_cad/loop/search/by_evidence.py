@@ -288,15 +288,11 @@ class Search(Runs):
         best = {(one.effect, id(one) if places[id(one)] else 0): one for one in found}
         return sorted(best.values(), key=lambda one: -one.log)
 
-    def _chosen(self, now: Fit) -> list[Promise]:
-        """Candidates that are refitted: the likeliest beside an unknown, and beside none, at all their starts, and all
-        forms of the likeliest."""
-        ranked = self._promises(now)
-        names = {one.effect.name for one in ranked[:1]}
-        if self.certain(now):
-            names |= {*CABLES_SLIP}
+    def _chosen(self, now: Fit, ranked: Sequence[Promise]) -> list[Promise]:
+        """Candidates that are refitted: the likeliest beside an unknown, and beside none, at all their starts."""
         alone = sorted(ranked, key=lambda one: -one.alone)
         chosen = {one.effect for one in (*ranked[: evidence.TRIED], *alone[: evidence.TRIED])}
+        names = CABLES_SLIP if self.certain(now) else ()
         return [one for one in ranked if one.effect in chosen or one.effect.name in names]
 
     def _rough(
@@ -354,8 +350,14 @@ class Search(Runs):
     def trials(self, now: Fit) -> list[Fit]:
         """Refits of ``now`` with one effect more."""
         each = self.screening.twins.each
-        begun = each([partial(self._begun, now, c) for c in self._chosen(now)])
-        begun.sort(key=self.log_of, reverse=True)
+        begun, ranked = list[Fit](), self._promises(now)
+        chosen = self._chosen(now, ranked)
+        while chosen:
+            ranked = [one for one in ranked if one not in chosen]
+            begun += each([partial(self._begun, now, c) for c in chosen])
+            begun.sort(key=self.log_of, reverse=True)
+            # All that has the name of the likeliest.
+            chosen = [one for one in ranked if begun and one.effect.name == begun[0].effects[-1].name]
         # Other forms of the likeliest, while one of them is likelier; a term more is taken as an effect more is.
         walked: Fit | None = None
         while begun and begun[0] is not walked:
