@@ -75,13 +75,13 @@ def _crossed(setup: Setup, values: Floats, _: Simulator) -> Setup:
 def _waves(setup: Setup, residual: Floats) -> list[list[float]]:
     """The number of waves a turn that explains most of the residual, without a size: that is a linear step."""
     angle, y = setup.drum_rad[setup.p.used], residual[setup.p.used]
-    best, least = WAVES[0], np.inf
-    for waves in np.arange(WAVES[0] + WAVE_STEP, WAVES[1], WAVE_STEP):
+
+    def left(waves: float) -> float:
         columns = np.column_stack([np.ones_like(angle), angle, np.cos(waves * angle), np.sin(waves * angle)])
-        left = y - columns @ np.linalg.solve(columns.T @ columns + 1e-9 * np.eye(4), columns.T @ y)
-        if (square := float(left @ left)) < least:
-            best, least = float(waves), square
-    return [[0.0, 0.0, best]]
+        rest = y - columns @ np.linalg.solve(columns.T @ columns + 1e-9 * np.eye(4), columns.T @ y)
+        return float(rest @ rest)
+
+    return [[0.0, 0.0, float(min(np.arange(WAVES[0] + WAVE_STEP, WAVES[1], WAVE_STEP), key=left))]]
 
 
 def gain(most: float) -> Effect:

@@ -1,6 +1,7 @@
 """What the result reports of a fit: errors on data held back, intervals, limits of the runs, next steps, traces."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from scipy.optimize import bisect
@@ -142,25 +143,20 @@ def traces(fitter: Fitter, bare: Fit, fit: Fit) -> tuple[Traces, ...]:
     """Signals for the page, thinned, and the order spectra before and after."""
     found = []
     for part, p in zip(fitter.parts, fitter.runs, strict=True):
-        every = max(1, p.time_s.size // TRACE_POINTS)
-        used = p.used
-        orders, before = order_spectrum(p.output_rad[used], bare.residual[part][used])
-        _, after = order_spectrum(p.output_rad[used], fit.residual[part][used])
-        load = None if p.load_Nm is None else p.load_Nm[::every]
-        found.append(
-            Traces(
-                p.time_s[::every],
-                p.output_rad[::every],
-                load,
-                bare.residual[part][::every],
-                fit.residual[part][::every],
-                p.held[::every].astype(float),
-                p.used[::every].astype(float),
-                orders,
-                before,
-                after,
-            )
+        orders, before = order_spectrum(p.output_rad[p.used], bare.residual[part][p.used])
+        _, after = order_spectrum(p.output_rad[p.used], fit.residual[part][p.used])
+        signals = (
+            p.time_s,
+            p.output_rad,
+            p.load_Nm,
+            bare.residual[part],
+            fit.residual[part],
+            1.0 * p.held,
+            1.0 * p.used,
         )
+        every = max(1, p.time_s.size // TRACE_POINTS)
+        thinned: list[Any] = [None if one is None else one[::every] for one in signals]
+        found.append(Traces(*[*thinned, orders, before, after]))
     return tuple(found)
 
 

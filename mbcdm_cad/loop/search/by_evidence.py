@@ -7,9 +7,9 @@ found again after each effect that was added.
 """
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -58,7 +58,7 @@ class Posterior:
         self.nuisances = tuple(nuisances)
         self.white: evidence.Whitened = self.problem.whitened(noise, nuisances, self.names, self.scales)
         self._known: dict[Fit, evidence.Weighed] = {}
-        self._metrics: dict[int, Callable[[Floats], Floats]] = {}
+        self._metric = cache(self.white.metric)
 
     @property
     def floor_rad(self) -> float:
@@ -125,11 +125,15 @@ class Posterior:
         **options: Any,
     ) -> Fit:
         """The fit of most posterior density, beside nuisances and an unknown cause."""
-        if unknown not in self._metrics:
-            self._metrics[unknown] = self.white.metric(unknown)
-        rows = FitRows(self.used, self._metrics[unknown])
+        rows = FitRows(self.used, self._metric(unknown))
         options = {"iterations": self.iterations} | options
         return (fitter or self.fitter).fit(effects, values, offsets, rows, **options)
+
+    def lowers(self, more: Fit, less: Fit) -> bool:
+        """Whether a fit leaves less than one that it contains, as it does unless it has ended beside its minimum."""
+        independent = self._metric(self.of(more).unknown)
+        left = [independent(self.fitter.centred_on(self.used, one.residual)) for one in (more, less)]
+        return float(np.sum(left[0] ** 2)) <= float(np.sum(left[1] ** 2))
 
     def within_class(self, fit: Fit) -> list[tuple[Nuisance, float]]:
         """What sensors and figures of the design are wrong by within their class, with the posterior mean in standard
@@ -376,7 +380,7 @@ class Search(Runs):
         # What is alike with and without an effect does not tell its size.
         least = evidence.ALIKE_SHARE * self.floor_rad
         told = [one for one in ended if np.std((one.residual - now.residual)[self.used]) > least]
-        return [one for one in told if self.possible(one, now)]
+        return [one for one in told if self.lowers(one, now) and self.possible(one, now)]
 
     def _forms(self, effect: Effect) -> list[Effect]:
         """Forms that are tried once an effect is: those that move the cables where it only adds to the reading, and
@@ -397,6 +401,7 @@ class Search(Runs):
         now = super().found()
         if not now.effects:
             return now
-        ended = self.fitted(self.of(now).unknown, now.effects, now.values, now.offsets)
+        unknown = self.of(now).unknown if self.of(now).unknown_odds > 0.0 else 0
+        ended = self.fitted(unknown, now.effects, now.values, now.offsets)
         self._additions[ended] = self.additions(now)
         return ended

@@ -158,8 +158,7 @@ class _Loop:
         if any(effect.once for effect in fit.effects):
             # A single event may lie in a part that the search did not use. Of two, one may hide the time of the other.
             begun = screening.located(self.whole, fit) or fit
-        unknown = self.search.of(fit).unknown
-        return self.posterior.fitted(unknown, begun.effects, begun.values, begun.offsets)
+        return self.posterior.fitted(self.search.of(fit).unknown, begun.effects, begun.values, begun.offsets)
 
     def _largest(self, fit: Fit) -> Unknown:
         """The unexplained part of the run in which it is largest."""
