@@ -83,8 +83,7 @@ def described(named: Named, ranged: bool = False) -> str:
 
 
 def rounded(name: str, value: Value, ranged: bool = False) -> str:
-    """The size of a figure with its unit, rounded to the digits that its interval supports; ``ranged``: the
-    interval."""
+    """A size with its unit, rounded to the digits that its interval supports; ``ranged``: the interval."""
     factor, unit = size_of(name, [value.value, value.low, value.high])
     if math.isinf(value.high):
         if value.low <= 0.0:

@@ -117,8 +117,7 @@ def _bounded_step(normal: Floats, slope: Floats, damping: float, bounds: Floats)
 
 
 class Fitter:
-    """Fits sets of effects to one or more runs of one drive; ``known`` effects (``Drive.as_built``) are always
-    applied."""
+    """Fits sets of effects to runs of one drive; ``known`` effects (``Drive.as_built``) are always applied."""
 
     def __init__(
         self,

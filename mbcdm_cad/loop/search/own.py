@@ -25,8 +25,7 @@ LIKELY_SIZES = 5.0
 
 
 def own_effects(names: Sequence[str], offered: Sequence[Effect], run: str) -> list[list[Effect]]:
-    """The effects that ``names`` mean, each in its forms: fields of the design, or effects with their stage. Raises
-    MbcdmError."""
+    """The effects of ``names``, each in its forms: fields of the design, or effects with stage. Raises MbcdmError."""
     found = []
     for name in names:
         key = FIELDS.get(name)
