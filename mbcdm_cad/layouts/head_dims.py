@@ -151,14 +151,13 @@ def _windows_cost(given: TrialKnown) -> bool:
         return urad_Nm(drum_structure_of(trial).causes) * DrumSector(trial.drum, thread).volume_mm3()
 
     # Before the first pass, what is guessed says nothing about the stress.
-    if not given.drives.passes:
-        return bool(given.guesses.get(at.drum.windows) == "none")
-    if given.drives.closed is None and (outer := strength("outer")) > -inf:
+    field, held = at.drum.windows, given.drives.held
+    if given.drives.passes and field not in held and (outer := strength("outer")) > -inf:
         closed = outer < STRESS_SAFETY and strength("none") > CLOSED_GAIN * max(outer, 0.0)
         with suppress(NoFigureError, ValueError):
             closed = closed or mass_times_turn("outer") > CLOSED_GAIN * mass_times_turn("none")
-        given.drives.closed = closed
-    return bool(given.drives.closed)
+        held[field] = float(closed)
+    return bool(held.get(field, given.guesses.get(field) == "none"))
 
 
 @rule(

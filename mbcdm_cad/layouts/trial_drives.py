@@ -53,12 +53,11 @@ class TrialDrives:
     def __init__(self, schema: type[Design], of_design: Callable[[Any], Layout]) -> None:
         self._schema, self._of_design = schema, of_design
         self.ends: dict[Way, End] = {}
-        # Parts that did not carry their load in a pass, in the design that followed from them.
+        # Parts that did not carry their load in a pass, in the design that followed from them; checks that were missed.
         self.refused: set[str] = set()
-        # Numbers that went up and down in turn, with the larger of both values, from which they are searched upwards.
+        # Numbers that went up and down in turn, with the larger of both values, from which they are searched upwards;
+        # and whether the drum's web has no windows, as weighed once.
         self.held: dict[str, float] = {}
-        # Whether the drum's web has no windows, as weighed once.
-        self.closed: bool | None = None
         # Passes of the sizing so far: before the first, values that are guessed say nothing about the drive.
         self.passes = 0
         self._kept: dict[bytes, tuple[Layout | None, dict[str, Margin]]] = {}

@@ -191,6 +191,12 @@ class TrialKnown(RopeKnown):
         """Whether the drive of the pass before, the third or a later one, misses a check."""
         return self.drives.passes > 1 and -inf < self._margins_of(self._at_start, (check,))[check][0] < 0.0
 
+    def has_missed(self, check: str) -> bool:
+        """Whether the drive of any pass so far, the second or a later one, missed a check."""
+        if self.missed_before(check):
+            self.drives.refused.add(check)
+        return check in self.drives.refused
+
     def margins(self, field: str, value: Any, checks: Iterable[str], to_first_miss: bool = False) -> dict[str, Margin]:
         """Margin and its unit by check, with ``field`` at ``value``; -inf where a check has no figure there.
 
@@ -372,7 +378,8 @@ def repeated(
         # A search in which a check was met by no value is made again, because a value may meet it here.
         drives.ends |= {way: end for way, end in similar.ends.items() if end.checks == way.checks}
         drives.refused |= similar.refused
-        drives.held |= similar.held
+        # Windows that were not closed are weighed again.
+        drives.held |= {field: value for field, value in similar.held.items() if value}
         drives.passes = 1
     for passed in range(1, 2 * _MOST_PASSES + 1):
         given = known(copy.deepcopy(data), guesses, drives)

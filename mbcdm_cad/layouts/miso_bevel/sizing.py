@@ -124,9 +124,9 @@ class BevelKnown(TransferKnown):
         )
 
     @property
-    def before_drum_mm(self) -> list[float]:
-        """Pitch radii of the guide."""
-        return self.guide_radii_mm
+    def least_rope_mm(self) -> float:
+        """See the base class; 0 where a stated distance leaves no room for the guide that such a rope asks for."""
+        return 0.0 if self.has(DISTANCE) and self.has_missed("guide_wall") else super().least_rope_mm
 
     @property
     def states_lands(self) -> bool:
@@ -160,7 +160,7 @@ class BevelKnown(TransferKnown):
         return list(self.get(RADII) or self.filled("transmission")["drum_radii_mm"])
 
     @property
-    def guide_radii_mm(self) -> list[float]:
+    def before_drum_mm(self) -> list[float]:
         """Pitch radii of the guide."""
         stated = self.get(at.transmission.guide_radii_mm)
         return stated or [radius / self[TO_DRUM] for radius in self.drum_radii_mm]
@@ -168,7 +168,7 @@ class BevelKnown(TransferKnown):
     @property
     def across_mm(self) -> float:
         """Guide and input pulley beside each other."""
-        return max(self.guide_radii_mm) + max(self.drum_radii_mm) / self.ratio
+        return max(self.before_drum_mm) + max(self.drum_radii_mm) / self.ratio
 
     @property
     def fleet_deg(self) -> float:
@@ -234,13 +234,6 @@ def drum_radii(given: BevelKnown) -> Found:
     return Found(given.radii_mm(found.value), found.driver, f"steps {found.rounding}")
 
 
-def _too_wide(given: BevelKnown) -> bool:
-    """Whether the guide of an earlier pass stood in the terminals' way at any angle of the sector."""
-    if given.missed_before("terminal_clears_guide"):
-        given.drives.refused.add(TO_DRUM)
-    return TO_DRUM in given.drives.refused
-
-
 @rule(
     TO_DRUM,
     "the smallest guide with its bearing, for front walls and inputs behind the drum",
@@ -257,7 +250,7 @@ def guide_to_drum(given: BevelKnown) -> Found:
     # The drum's steps grow as the guide gets smaller, and with them what their preloads ask of a stated motor.
     stated = ("motor_torque_back",) if given.has(at.drive.motor) else ()
     # A guide about as large as the drum leaves no way to the terminals: there the inputs are set back instead.
-    behind = () if _too_wide(given) else ("front_wall", "drum_sweep")
+    behind = () if given.has_missed("terminal_clears_guide") else ("front_wall", "drum_sweep")
     checks = ("guide_wall", "bend_ratio", *behind, "guide_length", *lands, *stated)
     found = given.moved(GUIDE, start, 0.1, checks)
     if given.has(DISTANCE):
