@@ -58,8 +58,7 @@ def _correlated(named: Named, earlier: Sequence[Named], first: int) -> dict[str,
 
 
 def _lasting(effects: Sequence[Named]) -> list[Named]:
-    """What the drive has after the runs, as far as a design file holds it: of a change what it left behind, which is in
-    place of what was before."""
+    """What the drive has after the runs, as a design file holds it: of a change what it left, in place of what was."""
     changed = [named.after for named in effects if named.after]
     gone = {(one.name, one.form, one.stage, one.cables) for one in changed}
     kept = [named for named in effects if not named.after and named.fitted]

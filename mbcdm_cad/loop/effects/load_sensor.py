@@ -170,8 +170,7 @@ def crosstalk(most_Nm: float) -> Effect:
 
 
 def within_class(runs: tuple[Prepared, ...]) -> list[Effect]:
-    """Gain, zero, and of motions hysteresis and lag, within the class of the torque sensor; empty for runs without a
-    load."""
+    """Gain, zero, and of motions hysteresis and lag, within the torque sensor's class; empty for runs without load."""
     loads = [p.run.load_Nm for p in runs]
     most = max((float(np.abs(load).max()) for load in loads if load is not None), default=0.0)
     if any(load is None for load in loads) or most == 0.0:

@@ -83,6 +83,8 @@ class Posterior:
         if fit not in self._known:
             jacobian, y = self._data(fit)
             sd, bounds = self.prior_sd(fit.effects, fit.values, jacobian), bounds_of(fit.effects)
+            # Where nothing can be predicted, the error is large and nothing moves it.
+            jacobian, y = np.nan_to_num(jacobian, posinf=0.0, neginf=0.0), np.nan_to_num(y, nan=1e6, posinf=1e6)
             self._known[fit] = self.white.evidence_of(np.column_stack([jacobian, y]), sd, bounds)
         return self._known[fit]
 

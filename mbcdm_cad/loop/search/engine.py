@@ -177,8 +177,7 @@ class _Loop:
         return Helpful(self.search.named(effect, fit, self.search.fall(fit, effect)), odds)
 
     def _named(self, effect: Effect, fit: Fit, whole: Fit) -> Named:
-        """An effect with its figures from all data, nuisances integrated out, and the fall of the error that it
-        causes."""
+        """An effect with its figures from all data, nuisances integrated out, and the fall of the error by it."""
         k, own = whole.effects.index(effect), whole.columns_of(effect)
         block = self.posterior.of(whole).covariance[own, own]
         fall = self.search.fall(fit, effect)

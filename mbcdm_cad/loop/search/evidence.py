@@ -293,7 +293,8 @@ class Whitened:
                 for axes, weights in zip(self.slices, self.weights, strict=True)
             ]
         )
-        root = np.linalg.cholesky(np.eye(k) + inner[:, :k, :k])
+        # Columns far larger than the noise: what rounding leaves of their squares may be below zero.
+        root = np.linalg.cholesky(np.diag(1.0 + 1e-12 * np.diagonal(gram)[:k]) + inner[:, :k, :k])
         h = np.linalg.solve(root, inner[:, :k, k:])[..., 0]
         logs = -0.5 * (inner[:, k, k] - np.sum(h**2, axis=1)) - self.log_curves
         logs -= np.log(np.einsum("sii->si", root)).sum(axis=1)

@@ -162,8 +162,9 @@ class Moves(ABC, Generic[SomeFit]):
 
     def grown(self, now: SomeFit) -> SomeFit:
         """``now`` with every effect that the evidence allows."""
-        while len(now.effects) < MOST_EFFECTS:
-            more = self.additions(now)
+        # Each round adds an effect or ends; a few more, since one that is dropped may come back under a lower noise.
+        for _ in range(2 * MOST_EFFECTS):
+            more = self.additions(now) if len(now.effects) < MOST_EFFECTS else []
             better = more[0] if more else now
             # One more effect is certain if any one is; which one, its credible set says.
             each = {one.effects[-1].label: self.score(one) for one in reversed(more)}

@@ -191,7 +191,7 @@ class LogProblem:
             left = []
             for own in each:
                 inner = own.T @ own + np.mean(rest**2) * np.eye(own.shape[1])
-                left.append(rest - own @ np.linalg.solve(inner, own.T @ rest))
+                left.append(rest - own @ np.linalg.lstsq(inner, own.T @ rest, rcond=None)[0])
             tried = []
             for k in np.argsort([float(one @ one) for one in left])[:TRIED]:
                 paid = 0.5 * each[k].shape[1] * np.log(rest.size) + np.log(len(each)) + LOG_ODDS

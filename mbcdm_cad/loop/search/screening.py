@@ -49,8 +49,7 @@ class Twins:
 
 @dataclass(frozen=True, eq=False)
 class Screened:
-    """A candidate at ``guess``, up to which the prediction changes by ``change``, rad, with the slopes ``columns``
-    there."""
+    """A candidate at ``guess``: the prediction changes by ``change`` up to it, rad, with the slopes ``columns``."""
 
     effect: Effect
     columns: Floats
