@@ -83,8 +83,6 @@ class Posterior:
         if fit not in self._known:
             jacobian, y = self._data(fit)
             sd, bounds = self.prior_sd(fit.effects, fit.values, jacobian), bounds_of(fit.effects)
-            # Where nothing can be predicted, the error is large and nothing moves it.
-            jacobian, y = np.nan_to_num(jacobian, posinf=0.0, neginf=0.0), np.nan_to_num(y, nan=1e6, posinf=1e6)
             self._known[fit] = self.white.evidence_of(np.column_stack([jacobian, y]), sd, bounds)
         return self._known[fit]
 
@@ -94,7 +92,9 @@ class Posterior:
         theta = np.concatenate(fit.values) if fit.effects else np.zeros(0)
         free = iter(fit.offsets[self.fitter.free])
         offsets = [next(free) / one.offset * one.column[self.used] for one in self.nuisances if one.offset < np.inf]
-        return jacobian, fit.residual[self.used] + jacobian @ theta + np.sum(offsets, axis=0)
+        y = fit.residual[self.used] + jacobian @ theta + np.sum(offsets, axis=0)
+        # Where nothing can be predicted, the error is large and nothing moves it.
+        return np.nan_to_num(jacobian, posinf=0.0, neginf=0.0), np.nan_to_num(y, nan=1e6, posinf=1e6, neginf=-1e6)
 
     def with_offsets(self, fit: Fit) -> Floats:
         """Covariance of the values of a fit and of its free offsets, which are nuisances here."""
