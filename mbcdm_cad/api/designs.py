@@ -313,8 +313,7 @@ def close_loop(
     own. Without a design the runs state their drive's ratio, or ``ratio`` does: then only what hangs on no cable can be
     found. Raises ``InputError`` with all mistakes in them.
     """
-    from mbcdm_cad.loop.judge import judge
-    from mbcdm_cad.loop.study import is_study, load_study
+    from mbcdm_cad.loop.judge import is_study, judge, load_study
     from mbcdm_cad.measurement.file import load_file, with_ratio
 
     loaded = None if design is None else design.loaded
@@ -332,8 +331,7 @@ def trend(study: str | Path, design: DriveDesign | None = None) -> TrendReport:
     ``study``: the study file with the dates of its runs; ``design``: in place of the one that it names, if any. Raises
     ``InputError`` with all mistakes in the files, ``MbcdmError`` where dates, runs or figures that differ are missing.
     """
-    from mbcdm_cad.loop.judge import judge
-    from mbcdm_cad.loop.study import load_study
+    from mbcdm_cad.loop.judge import judge, load_study
     from mbcdm_cad.loop.trend import refuse_no_trend, trends_of
 
     found = load_study(study)

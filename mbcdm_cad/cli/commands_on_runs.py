@@ -316,9 +316,8 @@ def loop_command(
     ``ratio``: total ratio of a drive without a design.
     """
     from mbcdm_cad.loop.as_built import applied_words
-    from mbcdm_cad.loop.correction_files import correction_words
-    from mbcdm_cad.loop.judge import drive_of, json_bytes
-    from mbcdm_cad.loop.study import is_study, load_study
+    from mbcdm_cad.loop.correction import correction_words
+    from mbcdm_cad.loop.judge import drive_of, is_study, json_bytes, load_study
     from mbcdm_cad.measurement.file import load_file, with_ratio
     from mbcdm_cad.measurement.schema import MOTION
 

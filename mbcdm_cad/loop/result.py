@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from mbcdm_cad.loop.own import Differing
 from mbcdm_cad.loop.readable import Value, probability_text, readable, share_text, size_of
 from mbcdm_cad.routes import Complex, Floats
 
@@ -15,6 +14,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.loop.correction import Correction
     from mbcdm_cad.loop.prepare.prepared import Prepared, Windows
     from mbcdm_cad.loop.search.unknown import Unknown
+
 
 # A run is explained if its held-out error is at most this many times the noise floor.
 NEAR_FLOOR = 1.25
@@ -490,3 +490,67 @@ def windows_words(windows: Windows) -> str:
 def _error_line(word: str, size: float, *errors_rad: float) -> str:
     rms, low, high, peak = (error / size for error in errors_rad)
     return f"{word:<24}{rms:>10.3g}{low:>12.3g}{high:>10.3g}{peak:>10.3g}"
+
+
+# Odds from which a change, or that there was none, is said without reserve.
+CLEAR_ODDS, MOST_ODDS = 20.0, 1e6
+
+
+def odds_words(log_odds: float, yes: str, no: str) -> str:
+    """``yes`` or ``no``, whichever the odds speak for, with them."""
+    odds = math.exp(min(abs(log_odds), math.log(MOST_ODDS)))
+    shown = f"over {MOST_ODDS:.0e}".replace("e+0", "e") if abs(log_odds) >= math.log(MOST_ODDS) else f"{odds:.3g}"
+    said = yes if log_odds > 0.0 else no
+    return f"{said}, odds {shown} to 1" + ("" if odds >= CLEAR_ODDS else ", which is open")
+
+
+@dataclass(frozen=True, eq=False)
+class OwnValue:
+    """The value of one run: its number from 0, its data, the fitted values, and the figures with 95 % intervals."""
+
+    number: int
+    run: str
+    values: Floats
+    figures: dict[str, Value]
+
+
+@dataclass(frozen=True, eq=False)
+class Differing:
+    """One figure that differs from run to run: ``name`` as the study calls it.
+
+    ``covariance`` of the fitted values of all its runs, one after the other; ``log_odds`` that they are not the same,
+    ``every``: as each other, otherwise as that of the runs that do not differ.
+    """
+
+    name: str
+    form: str
+    runs: tuple[OwnValue, ...]
+    covariance: Floats = field(repr=False)
+    log_odds: float = 0.0
+    every: bool = True
+
+    @property
+    def changed(self) -> str:
+        """Whether it changed, in words."""
+        other = "between the runs" if self.every else "from the other runs"
+        return odds_words(self.log_odds, f"changed {other}", f"did not change {other}")
+
+    def lines(self) -> list[str]:
+        """For a terminal."""
+        lines = [f"{self.name} of each run ({self.form}): {self.changed}"]
+        wide = max(len(one.run) for one in self.runs)
+        for one in self.runs:
+            words = []
+            for name, value in one.figures.items():
+                word, (middle, low, high) = readable(name, [value.value, value.low, value.high])
+                words.append(f"{word} {middle} (95 %: {low} to {high})")
+            lines.append(f"  {one.run:<{wide}}  {', '.join(words)}")
+        return lines
+
+    def to_json(self) -> dict[str, Any]:
+        """As the result file has it."""
+        runs = [
+            {"run": one.run, "parameters": {name: value.to_json() for name, value in one.figures.items()}}
+            for one in self.runs
+        ]
+        return {"name": self.name, "form": self.form, "runs": runs, "log_odds_changed": self.log_odds}

@@ -22,11 +22,10 @@ from mbcdm_cad.design.resolve import with_as_built
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.registry import layout_of
-from mbcdm_cad.loop.judge import LoopReport
-from mbcdm_cad.loop.own import CLEAR_ODDS, Differing, odds_words
+from mbcdm_cad.loop.judge import LoopReport, Study
 from mbcdm_cad.loop.readable import Value, readable
+from mbcdm_cad.loop.result import CLEAR_ODDS, Differing, odds_words
 from mbcdm_cad.loop.search.own import FIELDS
-from mbcdm_cad.loop.study import Study
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.report.table import TextReport
 from mbcdm_cad.routes import Floats

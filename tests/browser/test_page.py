@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.loop.page.report import report_page
+from mbcdm_cad.loop.page import report_page
 from mbcdm_cad.loop.readable import Value
 from mbcdm_cad.loop.result import Errors, LoopResult, Traces
 from mbcdm_cad.measurement.run import Run

@@ -7,9 +7,8 @@ from functools import partial
 import numpy as np
 
 from mbcdm_cad.loop.effect import Effect, Figure, Parameter, length, pair, phase
-from mbcdm_cad.loop.prepare.lines import MOST_ORDER, strongest_orders
 from mbcdm_cad.loop.prepare.prepared import Prepared
-from mbcdm_cad.loop.prepare.setup import Setup, Simulator, input_shares
+from mbcdm_cad.loop.prepare.setup import MOST_ORDER, Setup, Simulator, input_shares, strongest_orders
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 

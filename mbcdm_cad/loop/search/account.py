@@ -7,8 +7,8 @@ import numpy as np
 from scipy.optimize import bisect
 
 from mbcdm_cad.loop.effect import Effect, Figure
-from mbcdm_cad.loop.prepare.lines import order_spectrum
 from mbcdm_cad.loop.prepare.prepared import Prepared, held_out
+from mbcdm_cad.loop.prepare.setup import order_spectrum
 from mbcdm_cad.loop.readable import INTERVAL, Value, readable
 from mbcdm_cad.loop.result import ONLY_RATIO, CandidateRow, Errors, Named, Noise, Traces, ways_apart
 from mbcdm_cad.loop.search.evidence import LEAST_FALL, NoiseModel

@@ -7,8 +7,8 @@ from scipy.linalg import helmert
 
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.loop.effect import Effect
-from mbcdm_cad.loop.own import Differing, OwnValue
 from mbcdm_cad.loop.prepare.prepared import Prepared
+from mbcdm_cad.loop.result import Differing, OwnValue
 from mbcdm_cad.loop.search.account import interval
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.model.si import DriveSI

@@ -12,8 +12,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.loop.prepare.lines import order_spectrum
 from mbcdm_cad.loop.prepare.prepared import Prepared
+from mbcdm_cad.loop.prepare.setup import order_spectrum
 from mbcdm_cad.loop.readable import INTERVAL, Value, readable
 from mbcdm_cad.loop.search.evidence import LOG_ODDS, NoiseModel, Whitened
 from mbcdm_cad.loop.search.problem import hats_over, unit_columns

@@ -19,9 +19,9 @@ from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects import library
 from mbcdm_cad.loop.prepare import setup
-from mbcdm_cad.loop.prepare.lines import MOST_ORDER, order_spectrum
 from mbcdm_cad.loop.prepare.prepared import prepare
 from mbcdm_cad.loop.prepare.samples import held_sweeps, held_words
+from mbcdm_cad.loop.prepare.setup import MOST_ORDER, order_spectrum
 from mbcdm_cad.loop.result import LoopResult
 from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.loop.search.fit import Fitter, _bounded_step

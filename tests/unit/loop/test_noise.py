@@ -14,7 +14,7 @@ from scipy.signal import butter, lfilter
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.loop.effects import library
 from mbcdm_cad.loop.judge import LoopReport, judge
-from mbcdm_cad.loop.page.plain import finding
+from mbcdm_cad.loop.page import finding
 from mbcdm_cad.loop.prepare.prepared import Prepared, prepare
 from mbcdm_cad.loop.prepare.quiet import locally_fitted, quiet_load, slow_difference, told_from_noise
 from mbcdm_cad.loop.result import Noise, doubt_of

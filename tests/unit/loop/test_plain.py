@@ -11,11 +11,10 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.layouts.loader import layout_of, load_design
-from mbcdm_cad.loop.correction import Correction, correction_of, directions
-from mbcdm_cad.loop.correction_files import correction_files
+from mbcdm_cad.loop.correction import Correction, correction_files, correction_of, directions
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects import library
-from mbcdm_cad.loop.page.plain import certainty, described, finding, rounded, steps
+from mbcdm_cad.loop.page import certainty, described, finding, rounded, steps
 from mbcdm_cad.loop.prepare.prepared import prepare
 from mbcdm_cad.loop.readable import Value, readable, size_of
 from mbcdm_cad.loop.result import NEAR_FLOOR, Errors, LoopResult, Named, result_text

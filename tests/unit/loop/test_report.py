@@ -11,8 +11,8 @@ import matplotlib.image
 import numpy as np
 import pytest
 
-from mbcdm_cad.loop.page.pictures import AFTER, BEFORE, orders_chart, scatter_png, time_charts
-from mbcdm_cad.loop.page.report import report_page
+from mbcdm_cad.loop.page import report_page
+from mbcdm_cad.loop.pictures import AFTER, BEFORE, orders_chart, scatter_png, time_charts
 from mbcdm_cad.loop.readable import Value, readable, share_text
 from mbcdm_cad.loop.result import VERDICTS, CandidateRow, Errors, LoopResult, Named, Traces, result_text
 from mbcdm_cad.measurement.run import Run, VettingNote, half_sweeps

@@ -11,9 +11,9 @@ from scipy.stats import multivariate_normal
 import mbcdm_cad as mc
 from mbcdm_cad import cli
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.loop.judge import is_study, load_study
 from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.loop.search.own import log_odds_of_change
-from mbcdm_cad.loop.study import is_study, load_study
 from mbcdm_cad.loop.trend import best_course
 from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, Sensors, TorqueClass
 

@@ -11,7 +11,7 @@ from mbcdm_cad.design.blocks import AsBuilt, AsBuiltValue
 from mbcdm_cad.layouts.loader import layout_of
 from mbcdm_cad.loop.effects import friction, known_effects
 from mbcdm_cad.loop.effects.load_sensor import _sides
-from mbcdm_cad.loop.page.plain import finding
+from mbcdm_cad.loop.page import finding
 from mbcdm_cad.loop.prepare.prepared import Prepared, prepare
 from mbcdm_cad.loop.result import LoopResult, result_text
 from mbcdm_cad.loop.search.engine import close_loop
