@@ -4,7 +4,7 @@ Everything that the search, the judgement and the report must know of an effect 
 one file of ``effects/``. Shapes that several effects share stand below.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -147,7 +147,8 @@ class Effect:
 
 
 # Type of ``offer``: the effects that are possible for a drive (None: only the ratio is known) and a run.
-Offer = Callable[[DriveSI | None, Prepared], Iterable[Effect]]
+Effects = Iterator[Effect]
+Offer = Callable[[DriveSI | None, Prepared], Effects]
 
 
 def elapsed_s(setup: Setup) -> Floats:

@@ -10,10 +10,9 @@ import numpy as np
 from mbcdm_cad.design.blocks import AsBuilt
 from mbcdm_cad.loop.effect import Effect, Offer
 from mbcdm_cad.loop.effects.creep_at_rest import AT_REST
-from mbcdm_cad.loop.prepare.prepared import Prepared
+from mbcdm_cad.loop.prepare.setup import Floats, Prepared
 from mbcdm_cad.measurement.schema import MOTION
 from mbcdm_cad.model.si import DriveSI, ModelError
-from mbcdm_cad.routes import Floats
 
 
 @cache

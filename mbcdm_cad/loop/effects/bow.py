@@ -1,12 +1,12 @@
 """A smooth bow in angle: runout of input and output together, a pulley that is not round, a nonlinear sensor."""
 
+from collections.abc import Callable
+from functools import partial
+
 import numpy as np
 
 from mbcdm_cad.loop.effect import Effect, Figure, Parameter
-from mbcdm_cad.loop.prepare.prepared import Prepared
-from mbcdm_cad.loop.prepare.setup import Setup, Simulator
-from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.routes import Floats
+from mbcdm_cad.loop.prepare.setup import DriveSI, Floats, Prepared, Setup, Simulator
 
 # Points at which the height of the bow is evaluated.
 POINTS = 201
@@ -19,20 +19,17 @@ def _shapes(angle_rad: Floats, low_rad: float, high_rad: float) -> tuple[Floats,
     return x**2 - half**2 / 3.0, x**3 - 0.6 * half**2 * x
 
 
-def _bent(setup: Setup, values: Floats, angle: Floats) -> Setup:
+def _bent(angle_of: Callable[[Setup], Floats], setup: Setup, values: Floats, _: Simulator) -> Setup:
+    angle = angle_of(setup)
     square, cube = _shapes(angle, float(angle.min()), float(angle.max()))
     return setup.with_added(values[0] * square + values[1] * cube)
 
 
-def _over_inputs(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return _bent(setup, values, setup.drum_rad)
-
-
-def _over_output(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return _bent(setup, values, setup.p.output_rad)
-
-
-FORMS = (("smooth curve in angle", _over_inputs), ("smooth curve in the output's angle", _over_output))
+# A bow of a tenth of a radian is another curve over the angle that it bends.
+FORMS: dict[str, Callable[[Setup], Floats]] = {
+    "smooth curve in angle": lambda setup: setup.drum_rad,
+    "smooth curve in the output's angle": lambda setup: setup.p.output_rad,
+}
 
 
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
@@ -44,7 +41,6 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     def height(values: Floats) -> float:
         return 0.5 * float(np.ptp(values[0] * square + values[1] * cube))
 
-    # A bow of a tenth of a radian is another curve over the angle that it bends.
     return [
         Effect(
             "bow",
@@ -53,10 +49,10 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             "runout of pulleys and encoder discs together, a pulley that is not round, linearity of the output sensor",
             "a longer travel: a wave of the drum comes back after a turn, a bow goes on",
             (Parameter("parabola_rad_rad2", 1e-6 / half**2), Parameter("cubic_rad_rad3", 1e-6 / half**3)),
-            apply,
+            partial(_bent, angle_of),
             last=True,
             plain="the output reading bends smoothly over the travel, by {height_rad}",
             figures=(Figure("height_rad", height),),
         )
-        for form, apply in FORMS
+        for form, angle_of in FORMS.items()
     ]

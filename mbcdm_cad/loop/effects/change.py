@@ -13,10 +13,8 @@ import numpy as np
 from mbcdm_cad.loop.effect import Effect, Figure, Parameter, best_step, elapsed_s
 from mbcdm_cad.loop.effects import cable_state, friction, lash, ratio_error, stiffness_error
 from mbcdm_cad.loop.effects.slip_step import step
-from mbcdm_cad.loop.prepare.prepared import Prepared
-from mbcdm_cad.loop.prepare.setup import Setup, Simulator
+from mbcdm_cad.loop.prepare.setup import Floats, Prepared, Setup, Simulator
 from mbcdm_cad.model.si import DriveSI, ModelError
-from mbcdm_cad.routes import Floats
 
 NAME = "change"
 AT_ONCE, EVENLY = "at once", "evenly"
@@ -39,19 +37,6 @@ CHANGEABLE = {
     "play taken up by motion": ("the play between input and output", "gears and couplings between input and output"),
 }
 Weight = Callable[[Setup, Floats], Floats]
-
-
-def _at_once(setup: Setup, values: Floats) -> Floats:
-    return step(setup, float(values[1]))
-
-
-def _throughout(setup: Setup, values: Floats) -> Floats:
-    return np.ones_like(setup.p.time_s)
-
-
-def _evenly(setup: Setup, values: Floats) -> Floats:
-    passed = elapsed_s(setup)
-    return np.asarray(passed / passed[-1])
 
 
 def _applied(base: Effect, weight: Weight, setup: Setup, values: Floats, simulate: Simulator) -> Setup:
@@ -108,7 +93,7 @@ def changed(base: Effect, duration_s: float) -> list[Effect]:
         where_to_look,
         "run again: a change that stays is then there from the start",
         (size, Parameter("at_s", 0.02, 0.0, duration_s, role="place")),
-        partial(_applied, base, _at_once),
+        partial(_applied, base, lambda s, v: step(s, float(v[1]))),
         stage=base.name,
         starts=_Times(base),
         figures=(Figure(size.name, lambda v: float(v[0])), Figure("at_s", lambda v: float(v[1]))),
@@ -116,7 +101,7 @@ def changed(base: Effect, duration_s: float) -> list[Effect]:
         once=True,
         last=True,
         base=base,
-        later=partial(_applied, base, _throughout),
+        later=partial(_applied, base, lambda s, v: np.ones_like(s.p.time_s)),
         plain=f"from {{at_s}} on {what} is {other} than before",
     )
     drift = replace(
@@ -124,7 +109,7 @@ def changed(base: Effect, duration_s: float) -> list[Effect]:
         form=EVENLY,
         physics=f"{what} becomes another one in the course of the run",
         parameters=(size,),
-        apply=partial(_applied, base, _evenly),
+        apply=partial(_applied, base, lambda s, v: elapsed_s(s) / elapsed_s(s)[-1]),
         starts=None,
         figures=(Figure(size.name, lambda v: float(v[0]), "from the beginning of the run to its end"),),
         once=False,

@@ -19,12 +19,9 @@ from math import log
 import numpy as np
 
 from mbcdm_cad.loop.effect import Effect, Figure, Parameter
-from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.prepare.readings import under_load
-from mbcdm_cad.loop.prepare.setup import Setup, Simulator, give_rad_Nm
+from mbcdm_cad.loop.prepare.setup import DriveSI, Floats, Prepared, Setup, Simulator, give_rad_Nm
 from mbcdm_cad.measurement.schema import CREEP
-from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.routes import Floats
 
 HOUR_S = 3600.0
 # The end of the name of each form.

@@ -1,29 +1,23 @@
 """Drift with time or temperature: warming, and settling of a rope."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 from scipy.signal import lfilter
 
-from mbcdm_cad.loop.effect import Effect, Parameter, elapsed_s
-from mbcdm_cad.loop.prepare.prepared import Prepared
-from mbcdm_cad.loop.prepare.setup import Setup, Simulator
+from mbcdm_cad.loop.effect import Effect, Effects, Parameter, elapsed_s
+from mbcdm_cad.loop.prepare.setup import DriveSI, Floats, Prepared, Setup
 from mbcdm_cad.measurement.schema import CREEP
-from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.routes import Floats
 
 COOL = "let the rig cool and run again: warming goes back, settling does not"
 
 
-def _by_temperature(setup: Setup, values: Floats, _: Simulator) -> Setup:
+def _warmed(setup: Setup, constant_s: float = 0.0) -> Floats:
+    """Warming since the run began, K (n,), of the thermometer or of a part behind it."""
     assert setup.p.temperature_C is not None
-    return setup.with_added(values[0] * (setup.p.temperature_C - setup.p.temperature_C[0]))
-
-
-def _behind_temperature(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    assert setup.p.temperature_C is not None
-    return setup.with_added(values[0] * lagged(setup.p.temperature_C, setup.p.time_s, values[1]))
+    if constant_s:
+        return lagged(setup.p.temperature_C, setup.p.time_s, constant_s)
+    return np.asarray(setup.p.temperature_C - setup.p.temperature_C[0])
 
 
 def lagged(temperature_C: Floats, time_s: Floats, constant_s: float) -> Floats:
@@ -44,7 +38,7 @@ def _times(setup: Setup, _: Floats) -> list[list[float]]:
     return [[0.0, duration * share] for share in (0.02, 0.1, 0.4)]
 
 
-def offer(d: DriveSI | None, p: Prepared) -> Iterator[Effect]:
+def offer(d: DriveSI | None, p: Prepared) -> Effects:
     """Always; by temperature where it was measured."""
     duration = float(p.time_s[-1] - p.time_s[0])
     warming = ("thermal_drift", "temperature of rope, frame or encoder mount", "warm motors, sun, draught", COOL)
@@ -54,7 +48,7 @@ def offer(d: DriveSI | None, p: Prepared) -> Iterator[Effect]:
             "with the temperature",
             *warming[1:],
             (Parameter("turn_rad_K", 1e-6),),
-            _by_temperature,
+            lambda s, v, _: s.with_added(v[0] * _warmed(s)),
             hangs_on="temperature",
             plain="the output reading drifts with the temperature, by {turn_rad_K}",
         )
@@ -66,7 +60,7 @@ def offer(d: DriveSI | None, p: Prepared) -> Iterator[Effect]:
                 form="behind the temperature",
                 physics="temperature of rope, frame or encoder mount, which follows the thermometer's by a lag",
                 parameters=(*at_once.parameters, constant),
-                apply=_behind_temperature,
+                apply=lambda s, v, _: s.with_added(v[0] * _warmed(s, v[1])),
                 starts=_times,
                 plain="the output reading drifts with the temperature of a part that warms later, by {turn_rad_K}",
             )

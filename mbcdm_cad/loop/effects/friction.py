@@ -29,11 +29,9 @@ import numpy as np
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.loop.effect import Effect, Figure, Parameter, Words
 from mbcdm_cad.loop.effects import lash
-from mbcdm_cad.loop.prepare.prepared import Prepared, slid
-from mbcdm_cad.loop.prepare.setup import Setup, Simulator
+from mbcdm_cad.loop.prepare.prepared import slid
+from mbcdm_cad.loop.prepare.setup import DriveSI, Floats, Prepared, Setup, Simulator
 from mbcdm_cad.loop.readable import readable
-from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.routes import Floats
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
@@ -224,10 +222,8 @@ def friction(place: FrictionPlace, terms: Terms, p: Prepared, exponent: float = 
         low, high = (share * travel for share in PATHS)
         parameters.append(Parameter("built_up_rad", 2e-4 * travel, low, high, role="place"))
         begun = [[*start, FIRST_PATH * travel] for start in begun]
-    more, built = (
-        terms != (CONSTANT,),
-        ", built up over {built_up_rad} after each reversal" if BUILT_UP in terms else "",
-    )
+    more, loaded = terms != (CONSTANT,), p.load_Nm is not None and bool(p.load_Nm.any())
+    built = ", built up over {built_up_rad} after each reversal" if BUILT_UP in terms else ""
     return Effect(
         NAME,
         form_name(place, terms),
@@ -236,11 +232,11 @@ def friction(place: FrictionPlace, terms: Terms, p: Prepared, exponent: float = 
         TWO if more else BIAS,
         tuple(parameters),
         partial(place.applied, terms, exponent),
-        starts=partial(_begun, begun),
+        starts=lambda setup, residual: begun,
         hangs_on="speed" if {*terms} & {VISCOUS, *FADING} else "",
         plain=f"{place.what} there are {_listed(clauses)}" + built if more else place.plain,
-        richer=None if more else partial(_richer, place, p),
-        shapes=partial(_shapes, place, terms, p) if FADING & {*terms} else None,
+        richer=None if more else lambda: [friction(place, one, p) for one in all_terms(place, loaded)],
+        shapes=(lambda: [friction(place, terms, p, one) for one in EXPONENTS]) if FADING & {*terms} else None,
         figures=tuple(
             Figure(q.name, lambda v, k=k: float(v[k]), _MEANINGS.get(q.name, ""))  # type: ignore[misc]
             for k, q in enumerate(parameters)
@@ -255,20 +251,8 @@ _MEANINGS = {
 }
 
 
-def _begun(starts: list[list[float]], setup: Setup, residual: Floats) -> list[list[float]]:
-    return starts
-
-
 def _listed(words: list[str]) -> str:
     return words[0] if len(words) == 1 else ", ".join(words[:-1]) + " and " + words[-1]
-
-
-def _richer(place: FrictionPlace, p: Prepared) -> list[Effect]:
-    return [friction(place, terms, p) for terms in all_terms(place, p.load_Nm is not None and bool(p.load_Nm.any()))]
-
-
-def _shapes(place: FrictionPlace, terms: Terms, p: Prepared) -> list[Effect]:
-    return [friction(place, terms, p, exponent) for exponent in EXPONENTS]
 
 
 def _wound_up(shift: Effect) -> Effect:

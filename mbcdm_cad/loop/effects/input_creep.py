@@ -11,10 +11,9 @@ from math import degrees, pi
 
 import numpy as np
 
-from mbcdm_cad.loop.effect import Effect, Figure, Parameter
+from mbcdm_cad.loop.effect import Effect, Effects, Figure, Parameter
 from mbcdm_cad.loop.effects.passed_slip import MOST
-from mbcdm_cad.loop.prepare.prepared import Prepared
-from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.loop.prepare.setup import DriveSI, Prepared
 
 # First guesses of the wrap, shares of that of the design; a shorter one slips as a whole.
 STARTS = (1.0, 0.8, 0.6, 0.4)
@@ -23,26 +22,24 @@ SHORTEST_RAD = pi
 LEAST_TRAVEL_RAD = 1.0
 
 
-def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
+def offer(d: DriveSI | None, p: Prepared) -> Effects:
     """With torque, for cables that run through over their inputs."""
     if d is None or p.load_Nm is None or d.through_wrap_rad is None or np.ptp(p.common_rad) < LEAST_TRAVEL_RAD:
-        return []
+        return
     wrap, strength = float(np.min(d.through_wrap_rad)), Parameter("strength", 0.2, 0.0, MOST)
-    return [
-        Effect(
-            "input_creep",
-            "too little wrap for the travel",
-            "the travel carries the part of the rope that sticks off the input, so that the cable creeps over it",
-            "turns of the cable round the input, grease on them, preload",
-            "the same load at a shorter travel, or with a turn more round the input: the drum stays where it is",
-            (strength, Parameter("wrap_rad", 0.05, SHORTEST_RAD, 1.5 * wrap, role="place")),
-            lambda s, v, _: replace(s, creep=s.creep + float(v[0]), through_rad=float(v[1])),
-            starts=lambda setup, residual: [[1.0, max(share * wrap, SHORTEST_RAD)] for share in STARTS],
-            figures=(
-                Figure("strength", lambda v: float(v[0]), "1 is the whole effect of that wrap"),
-                Figure("wrap_deg", lambda v: degrees(float(v[1])), "wrap over the input that friction holds"),
-            ),
-            hangs_on="the cycles so far",
-            plain="the cable creeps over its input, as if it went round by {wrap_deg} only",
-        )
-    ]
+    yield Effect(
+        "input_creep",
+        "too little wrap for the travel",
+        "the travel carries the part of the rope that sticks off the input, so that the cable creeps over it",
+        "turns of the cable round the input, grease on them, preload",
+        "the same load at a shorter travel, or with a turn more round the input: the drum stays where it is",
+        (strength, Parameter("wrap_rad", 0.05, SHORTEST_RAD, 1.5 * wrap, role="place")),
+        lambda s, v, _: replace(s, creep=s.creep + float(v[0]), through_rad=float(v[1])),
+        starts=lambda setup, residual: [[1.0, max(share * wrap, SHORTEST_RAD)] for share in STARTS],
+        figures=(
+            Figure("strength", lambda v: float(v[0]), "1 is the whole effect of that wrap"),
+            Figure("wrap_deg", lambda v: degrees(float(v[1])), "wrap over the input that friction holds"),
+        ),
+        hangs_on="the cycles so far",
+        plain="the cable creeps over its input, as if it went round by {wrap_deg} only",
+    )

@@ -1,16 +1,13 @@
 """Play: the side in contact follows the sign of the transmitted torque; where friction decides, a play operator."""
 
-from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
 
-from mbcdm_cad.loop.effect import Effect, Figure, Parameter, best_step
-from mbcdm_cad.loop.prepare.prepared import Prepared, played
-from mbcdm_cad.loop.prepare.setup import Setup, Simulator
+from mbcdm_cad.loop.effect import Effect, Effects, Figure, Parameter, best_step
+from mbcdm_cad.loop.prepare.prepared import played
+from mbcdm_cad.loop.prepare.setup import DriveSI, Floats, Prepared, Setup, Simulator, input_shares
 from mbcdm_cad.measurement.schema import MOTION
-from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.routes import Floats
 
 NAME, BY_MOTION = "lash", "play taken up by motion"
 SEPARATE = "a constant bias torque keeps one side in contact: lash vanishes, friction does not"
@@ -45,13 +42,12 @@ def width(setup: Setup, residual: Floats) -> list[list[float]]:
 
 def _at_input(d: DriveSI, index: int, setup: Setup, residual: Floats) -> list[list[float]]:
     """Two starts: no play, and the play that would cause the whole residual through the input's share of the drum."""
-    share = float(np.sum(d.drum_radius_m**2 / d.free_span_m * d.of_input(index)))
-    share /= float(np.sum(d.drum_radius_m**2 / d.free_span_m))
+    share = float(input_shares(d)[index])
     width = float(np.ptp(np.quantile(residual[setup.p.used], [0.05, 0.95])))
     return [[0.0, 0.0], [width * setup.ratio / share, 0.0]]
 
 
-def offer(d: DriveSI | None, p: Prepared) -> Iterator[Effect]:
+def offer(d: DriveSI | None, p: Prepared) -> Effects:
     """By torque where it was measured; by motion for a drive of which only the ratio is known, or without a load."""
     play = Parameter("play_rad", 1e-5, 0.0)
     idle = p.load_Nm is not None and not p.load_Nm.any()

@@ -11,12 +11,10 @@ from dataclasses import replace
 import numpy as np
 
 from mbcdm_cad.loop.effect import Effect, Figure, Parameter, length
-from mbcdm_cad.loop.prepare.prepared import Prepared, played
-from mbcdm_cad.loop.prepare.setup import Setup, Simulator
+from mbcdm_cad.loop.prepare.prepared import played
+from mbcdm_cad.loop.prepare.setup import DriveSI, Floats, Prepared, Setup, Simulator
 from mbcdm_cad.measurement.run import KNOWN_LOAD, MOTORS_CURRENT, TorqueClass
 from mbcdm_cad.measurement.schema import MOTION
-from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.routes import Floats
 
 SENSOR = "an error of the torque sensor"
 LOOK = "torque sensor and amplifier: "

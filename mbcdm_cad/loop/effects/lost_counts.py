@@ -3,10 +3,7 @@
 from collections.abc import Callable
 
 from mbcdm_cad.loop.effect import Effect, Parameter
-from mbcdm_cad.loop.prepare.prepared import Prepared
-from mbcdm_cad.loop.prepare.setup import Setup, Simulator
-from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.routes import Floats
+from mbcdm_cad.loop.prepare.setup import DriveSI, Floats, Prepared, Setup, Simulator
 
 # Words for the path that counts, and that path from the whole path and the angle, both rad at the drum.
 PATHS: tuple[tuple[str, Callable[[Floats, Floats], Floats]], ...] = (

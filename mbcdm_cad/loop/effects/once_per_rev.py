@@ -13,10 +13,7 @@ from functools import partial
 import numpy as np
 
 from mbcdm_cad.loop.effect import Effect, Figure, length, pair, phase, wave
-from mbcdm_cad.loop.prepare.prepared import Prepared
-from mbcdm_cad.loop.prepare.setup import Setup, Simulator
-from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.routes import Floats
+from mbcdm_cad.loop.prepare.setup import DriveSI, Floats, Prepared, Setup, Simulator
 from mbcdm_cad.routes.route import path_slope
 
 

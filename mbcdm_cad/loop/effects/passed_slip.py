@@ -2,11 +2,8 @@
 
 from dataclasses import replace
 
-from mbcdm_cad.loop.effect import Effect, Parameter
-from mbcdm_cad.loop.prepare.prepared import Prepared
-from mbcdm_cad.loop.prepare.setup import Setup, Simulator
-from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.routes import Floats
+from mbcdm_cad.loop.effect import Effect, Effects, Parameter
+from mbcdm_cad.loop.prepare.setup import DriveSI, Floats, Prepared, Setup, Simulator
 
 # Strength 1 is friction and wraps as declared; far above it the friction coefficient itself is wrong.
 MOST = 1.5
@@ -19,19 +16,17 @@ def _apply(setup: Setup, values: Floats, simulate: Simulator) -> Setup:
     return setup.with_added(values[0] * whole)
 
 
-def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
+def offer(d: DriveSI | None, p: Prepared) -> Effects:
     """With torque, where the cables pass a body and the design does not count slip there."""
     if d is None or p.load_Nm is None or not d.passed_wrap_rad or d.slips_on_passed:
-        return []
-    return [
-        Effect(
-            "passed_slip",
-            "rope creeps on the guide",
-            "the rope slips on the guide too, from both ends of its wrap; strength 1 is the whole effect",
-            "no part of the bench: in the declared model the tension passes the guide without slip",
-            "loads of several sizes: slip on the guide ends where it has reached the whole wrap",
-            (Parameter("strength", 0.5, 0.0, MOST),),
-            _apply,
-            plain="the rope creeps on the guide: {strength} times what its friction and wrap allow",
-        )
-    ]
+        return
+    yield Effect(
+        "passed_slip",
+        "rope creeps on the guide",
+        "the rope slips on the guide too, from both ends of its wrap; strength 1 is the whole effect",
+        "no part of the bench: in the declared model the tension passes the guide without slip",
+        "loads of several sizes: slip on the guide ends where it has reached the whole wrap",
+        (Parameter("strength", 0.5, 0.0, MOST),),
+        _apply,
+        plain="the rope creeps on the guide: {strength} times what its friction and wrap allow",
+    )

@@ -1,14 +1,12 @@
 """A periodic error in angle whose order is not known beforehand."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
-from mbcdm_cad.loop.effect import Effect, Figure, Parameter, length, pair, phase
-from mbcdm_cad.loop.prepare.prepared import Prepared
-from mbcdm_cad.loop.prepare.setup import MOST_ORDER, Setup, Simulator, input_shares, strongest_orders
+from mbcdm_cad.loop.effect import Effect, Effects, Figure, Parameter, length, pair, phase
+from mbcdm_cad.loop.prepare.setup import MOST_ORDER, Prepared, Setup, Simulator, input_shares, strongest_orders
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
@@ -35,7 +33,7 @@ def _in_path(cable: int, setup: Setup, values: Floats, _: Simulator) -> Setup:
     return setup.with_path(path)
 
 
-def offer(d: DriveSI | None, p: Prepared) -> Iterator[Effect]:
+def offer(d: DriveSI | None, p: Prepared) -> Effects:
     """Always as an error of the reading; with torque as a motion of each input and in the path of each cable."""
     order = Parameter("cycles_per_output_rev", 0.05, 2.0, MOST_ORDER, role="order")
     reading = Effect(

@@ -1,15 +1,11 @@
 """An anchor or a mount that slipped once: a step in time."""
 
-from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
 
-from mbcdm_cad.loop.effect import Effect, Parameter, best_step, elapsed_s
-from mbcdm_cad.loop.prepare.prepared import Prepared
-from mbcdm_cad.loop.prepare.setup import Setup, Simulator
-from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.routes import Floats
+from mbcdm_cad.loop.effect import Effect, Effects, Parameter, best_step, elapsed_s
+from mbcdm_cad.loop.prepare.setup import DriveSI, Floats, Prepared, Setup, Simulator
 
 # Duration of a step: an estimate, far shorter than the fit can resolve.
 RISE_S = 0.02
@@ -35,7 +31,7 @@ def _jumps(size: float, setup: Setup, residual: Floats) -> list[list[float]]:
     return [[size, best_step(elapsed_s(setup)[used], residual[used])]]
 
 
-def offer(d: DriveSI | None, p: Prepared) -> Iterator[Effect]:
+def offer(d: DriveSI | None, p: Prepared) -> Effects:
     """At the output's mount always; at a cable's anchor where the drive is known and loaded."""
     duration = float(p.time_s[-1] - p.time_s[0])
     when = Parameter("at_s", 0.02, 0.0, duration, role="place")

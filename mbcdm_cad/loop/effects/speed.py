@@ -3,11 +3,8 @@
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from mbcdm_cad.loop.effect import Effect, Parameter, Words
-from mbcdm_cad.loop.prepare.prepared import Prepared
-from mbcdm_cad.loop.prepare.setup import Setup, Simulator
-from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.routes import Floats
+from mbcdm_cad.loop.effect import Effect, Effects, Parameter, Words
+from mbcdm_cad.loop.prepare.setup import DriveSI, Floats, Prepared, Setup, Simulator
 
 
 def _late(setup: Setup, values: Floats, _: Simulator) -> Setup:
@@ -17,9 +14,9 @@ def _late(setup: Setup, values: Floats, _: Simulator) -> Setup:
     return setup.with_added(curve(t - values[0]) - drum)
 
 
-def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
+def offer(d: DriveSI | None, p: Prepared) -> Effects:
     """A late sensor always; a drag through the cables' stiffness where it is known and the load was measured."""
-    late = Effect(
+    yield Effect(
         "delay",
         "late sensor",
         "the output is read later than the input: an error in proportion to speed",
@@ -36,8 +33,8 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         ),
     )
     if d is None or p.load_Nm is None:
-        return [late]
-    viscous = Effect(
+        return
+    yield Effect(
         "delay",
         "viscous drag",
         "a torque in proportion to speed, through the stiffness",
@@ -48,4 +45,3 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         hangs_on="speed",
         plain="something drags in proportion to the speed, with {drag_Nm_s}",
     )
-    return [late, viscous]

@@ -2,15 +2,10 @@
 
 from dataclasses import replace
 
-from mbcdm_cad.loop.effect import Effect, Parameter, Words
-from mbcdm_cad.loop.prepare.prepared import Prepared
-from mbcdm_cad.loop.prepare.setup import Setup, Simulator
-from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.routes import Floats
+from mbcdm_cad.loop.effect import Effect, Effects, Parameter, Words
+from mbcdm_cad.loop.prepare.setup import DriveSI, Floats, Prepared, Setup, Simulator
 
 NAME = "stiffness_error"
-# Play or slack looks like a low stiffness, so it is fitted first.
-AFTER = ("lash", "preload_error")
 # Starts of the fit: a rope's modulus may be far from its data sheet's.
 STARTS = ([0.0], [-0.3], [0.5])
 # No rope has a modulus below this share of the declared one.
@@ -33,10 +28,10 @@ def _no_rope(values: Floats) -> str:
     )
 
 
-def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
+def offer(d: DriveSI | None, p: Prepared) -> Effects:
     """With torque; the modulus where the drive is known."""
     if p.load_Nm is None:
-        return []
+        return
     series = Effect(
         NAME,
         "compliance in series",
@@ -60,18 +55,17 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 "the structure of the drive gives less than computed, by {compliance_rad_Nm}",
             ),
         )
-    if d is None:
-        return [series]
-    modulus = Effect(
-        NAME,
-        "modulus of the rope",
-        "E A of the rope or its free length differs: the whole loop scales",
-        "a pull test of the rope after bedding in",
-        SEPARATE,
-        (Parameter("share", 0.02, -0.8, 4.0),),
-        _modulus,
-        plain="the rope's stiffness is {share} {way_share} than the design file says",
-        starts=lambda setup, residual: [list(start) for start in STARTS],
-        doubtful=_no_rope,
-    )
-    return [modulus, series]
+    if d is not None:
+        yield Effect(
+            NAME,
+            "modulus of the rope",
+            "E A of the rope or its free length differs: the whole loop scales",
+            "a pull test of the rope after bedding in",
+            SEPARATE,
+            (Parameter("share", 0.02, -0.8, 4.0),),
+            _modulus,
+            plain="the rope's stiffness is {share} {way_share} than the design file says",
+            starts=lambda setup, residual: [list(start) for start in STARTS],
+            doubtful=_no_rope,
+        )
+    yield series

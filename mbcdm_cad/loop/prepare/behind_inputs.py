@@ -117,10 +117,6 @@ def predicted(held: BehindInputs, v: Values, seen: FrequencyResponse) -> tuple[C
     return read, (1.0 - read) / (swung * s**2 * hub * land * sensor)
 
 
-# What may swing on its own besides: a part of what the output turns, and a mass between encoders of inputs and drum.
-SECOND = ("arm", "front")
-
-
 def _swing(v: Values, what: str, s: Complex) -> Complex:
     """Torque of a mass over that of the spring that holds it, at its frequency ``what``_Hz; 0 where there is none.
 

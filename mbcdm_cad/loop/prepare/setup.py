@@ -11,13 +11,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.loop.prepare.prepared import Prepared
+# What a file of effects takes from here.
+from mbcdm_cad.loop.prepare.prepared import Prepared as Prepared
 from mbcdm_cad.loop.prepare.readings import under_load
 from mbcdm_cad.model.creep import START_S
 from mbcdm_cad.model.hysteresis import faces, lags, lags_and_drum_rad, simulate
 from mbcdm_cad.model.profiles import Response, simulate_profiles
-from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.routes import Floats
+from mbcdm_cad.model.si import DriveSI as DriveSI
+from mbcdm_cad.routes import Floats as Floats
 from mbcdm_cad.storage.compiled import compiled
 
 # Simulations in the cache: as many as one Jacobian needs, so that effects on the reading alone need no simulation.
