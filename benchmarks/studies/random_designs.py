@@ -37,8 +37,8 @@ from mbcdm_cad.layouts.siso_spur.checks import room
 from mbcdm_cad.parts.bill import CABLE, Bill, PartSpec
 from mbcdm_cad.workshop.interference import travel_poses
 from mbcdm_cad.workshop.kernel import bounding_box
-from mbcdm_cad.workshop.makefiles import drawn_part, make_part_files
 from mbcdm_cad.workshop.mass import PartFiles
+from mbcdm_cad.workshop.meshing import drawn_part, make_part_files
 from tests.support.interference_of_solids import MESH_TOLERANCE_MM, interferences, mesh_of
 from tests.support.random_generator import LAYOUTS, USUAL, Passing, load, passing
 

@@ -20,8 +20,7 @@ from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.sheet import Linear, Sheet
 from mbcdm_cad.workshop.export.files import threemf_bytes
 from mbcdm_cad.workshop.kernel import location
-from mbcdm_cad.workshop.makefiles import drawn_part
-from mbcdm_cad.workshop.meshing import mesh_solid
+from mbcdm_cad.workshop.meshing import drawn_part, mesh_solid
 from mbcdm_cad.workshop.prints import RoundHole, round_holes, with_wider_holes
 from tests.support.drawing_reader import dimensions, document, texts_on_texts, texts_outside
 from tests.support.rebuilt import LARGE, OTHERS, SMALL, pulley

@@ -129,21 +129,23 @@ class DriveDesign:
 
     def part_names(self) -> tuple[str, ...]:
         """Names of all parts."""
-        from mbcdm_cad.workshop.solids import part_names
+        from mbcdm_cad.workshop.store import part_names
 
         return part_names(self.drive)
 
     def part(self, name: str) -> cadquery.Solid:
         """One part as a cadquery solid, in its own frame, mm. Raises ``MbcdmError`` for a name that no part has."""
-        from mbcdm_cad.workshop.solids import part_solid
+        from mbcdm_cad.workshop.store import part_solid
 
-        return part_solid(self.drive, name)
+        solid: cadquery.Solid = part_solid(self.drive, name)
+        return solid
 
     def assembly(self, angle_deg: float = 0.0) -> cadquery.Assembly:
         """All parts in place with the drum at ``angle_deg``. Raises ``MbcdmError`` for an angle beyond the travel."""
-        from mbcdm_cad.workshop.solids import assembled
+        from mbcdm_cad.workshop.store import assembled
 
-        return assembled(self.drive, angle_deg)
+        whole: cadquery.Assembly = assembled(self.drive, angle_deg)
+        return whole
 
     def build(
         self,

@@ -27,8 +27,8 @@ from mbcdm_cad.report.page import PAGE
 from mbcdm_cad.report.page.stage import PageFigures, page_figures, page_of
 from mbcdm_cad.storage.cache import Cache, cache_folder
 from mbcdm_cad.storage.folders import write_whole
-from mbcdm_cad.workshop.makefiles import drawn_part
 from mbcdm_cad.workshop.mass import PartFiles, rod_shape
+from mbcdm_cad.workshop.meshing import drawn_part
 from mbcdm_cad.workshop.store import Store, StoredPart
 from mbcdm_cad.workshop.trianglemesh import TriangleMesh
 

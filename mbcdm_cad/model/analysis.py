@@ -1,13 +1,12 @@
 """Compute every figure of the model that the report prints, in one call."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.model import capability, equations, stiffness
 from mbcdm_cad.model.creep import preload_left
 from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
@@ -25,10 +24,6 @@ from mbcdm_cad.model.figures import (
 from mbcdm_cad.model.sensitivity import intervals
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.wrap import slip_angle_rad
-
-if TYPE_CHECKING:
-    from mbcdm_cad.design.drive import Drive
-
 
 # Ratings of what stands between the motor and the input.
 _PASSED_ON = (capability.GEARHEAD, capability.GEARHEAD_PEAK)

@@ -136,11 +136,10 @@ def _missing(d: DriveSI, good: Any) -> BulkFigures:
         "drum_wrap_needed_rad",
         "cable_backlash_rad",
     )
-    rows = dict.fromkeys(per_cable, d.n_cables) | {"turn_rad": 2, "peak_torque_Nm": 2}
-    empty = [
-        np.full((rows[f.name], good.size) if f.name in rows else good.size, np.nan) for f in fields(BulkFigures)[1:]
-    ]
-    return BulkFigures(np.zeros(good.size, dtype=bool), *empty)
+    rows = dict.fromkeys(per_cable, (d.n_cables, good.size)) | dict.fromkeys(
+        ("turn_rad", "peak_torque_Nm"), (2, good.size)
+    )
+    return BulkFigures(good & False, *(np.full(rows.get(f.name, good.size), np.nan) for f in fields(BulkFigures)[1:]))
 
 
 def _block(d: DriveSI, need: Requirements, good: Any) -> BulkFigures:

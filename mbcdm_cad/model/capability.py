@@ -12,24 +12,19 @@ A sinusoidal drive has the same copper loss for the same torque; inductance, iro
 that the speed at high load is an upper bound.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium, solve_weighted
 from mbcdm_cad.model.losses import Train
 from mbcdm_cad.model.si import GPA, MM, MM2, DriveSI, ModelError
 from mbcdm_cad.routes import Floats
-
-if TYPE_CHECKING:
-    from mbcdm_cad.design.drive import Drive
-    from mbcdm_cad.routes.geometry import RoutedDrive
-
+from mbcdm_cad.routes.geometry import RoutedDrive
 
 # Names of the ratings in `Analysis.limits`.
 MOTOR, MOTOR_LOSSY, GEARHEAD, GEARHEAD_PEAK = "motor", "motor_with_losses", "gearhead_rated", "gearhead_maximum"

@@ -12,7 +12,6 @@ moves often loses less.
 """
 
 from bisect import bisect_left
-from collections.abc import Iterable
 from dataclasses import dataclass
 from math import expm1, log, log1p
 
@@ -122,9 +121,9 @@ def preload_left(rope: CableSpec, preload_N: float, softer: float = 1.0) -> tupl
     """
     if not creeps(rope):
         return ()
-    return tuple(_left(rope, preload_N, temperature, TOLD_DAYS, softer) for temperature in TOLD_C)
-
-
-def _left(rope: CableSpec, preload_N: float, temperature_C: float, days: Iterable[float], softer: float) -> PreloadLeft:
-    over_time, told = relaxation(rope, preload_N, temperature_C, softer), tuple(days)
-    return PreloadLeft(temperature_C, told, tuple(over_time.at_N(day * DAY_S) / preload_N for day in told))
+    found = []
+    for temperature in TOLD_C:
+        over_time = relaxation(rope, preload_N, temperature, softer)
+        shares = tuple(over_time.at_N(day * DAY_S) / preload_N for day in TOLD_DAYS)
+        found.append(PreloadLeft(temperature, TOLD_DAYS, shares))
+    return tuple(found)

@@ -108,10 +108,12 @@ def of_rows(
     whole = sum(row.share for row in rows)
     for row in rows:
         time = period_s * row.share / whole
-        speed, span, many = _movement(row, time, travel_deg)
-        if many == 0.0:
+        if row.speed_deg_s == 0.0 or (row.speed_deg_s is None and row.range_deg is None):
             pieces.append((time, row.torque_Nm, 0.0))
             continue
+        span = travel_deg if row.range_deg is None else row.range_deg
+        speed = 2.0 * span / time if row.speed_deg_s is None else abs(row.speed_deg_s)
+        many = speed * time / (2.0 * span)
         pairs = min(ceil(many - 1e-9), _MOST_STROKES)
         pieces += [(time / (2 * pairs), row.torque_Nm, way * speed) for way in (1.0, -1.0)] * pairs
         strokes.append(Stroke(span, row.torque_Nm, many * _HOUR_S / period_s))
@@ -182,15 +184,6 @@ def duty_of(drive: Drive) -> Duty:
         time, angle, torque = (np.array(values) for values in (found.time_s, found.angle_deg, found.torque_Nm))
         return of_record(time, angle, torque, ambient, assumed)
     return of_rows(stated.rows, period or DEFAULT_PERIOD_S, travel, ambient, assumed)
-
-
-def _movement(row: DutyRow, time_s: float, travel_deg: float) -> tuple[float, float, float]:
-    """Speed, range and number of times there and back of a row."""
-    if row.speed_deg_s == 0.0 or (row.speed_deg_s is None and row.range_deg is None):
-        return 0.0, 0.0, 0.0
-    span = travel_deg if row.range_deg is None else row.range_deg
-    speed = 2.0 * span / time_s if row.speed_deg_s is None else abs(row.speed_deg_s)
-    return speed, span, speed * time_s / (2.0 * span)
 
 
 def _strokes(angle_deg: Floats, torque_Nm: Floats, period_s: float) -> tuple[Stroke, ...]:

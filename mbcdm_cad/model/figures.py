@@ -166,19 +166,16 @@ class Analysis:
             found |= value if name == "lengths" else {name: value}
         for turns in found["shaft_turns"]:
             turns |= {f"{shaft}_deg": angle for shaft, angle in turns.pop("turned_deg").items()}
-        found["bearings"] = [_with_passed_bodies(bearing) for bearing in found["bearings"]]
+        for bearing in found["bearings"]:
+            # Figures of passed bodies under names of their own, before the drum's.
+            drum = bearing.pop("drum_radial_N")
+            for passed in bearing.pop("passed"):
+                body = passed["body"]
+                bearing |= {f"{body}_radial_N": passed["radial_N"], f"{body}_moment_Nm": passed["moment_Nm"]}
+            bearing["drum_radial_N"] = drum
         plain = with_floats(found, lambda number: number if math.isfinite(number) else None)
         assert isinstance(plain, dict)
         return plain
-
-
-def _with_passed_bodies(bearing: dict[str, Any]) -> dict[str, Any]:
-    """The figures of passed bodies under names of their own, before the drum's."""
-    drum = bearing.pop("drum_radial_N")
-    for passed in bearing.pop("passed"):
-        body = passed["body"]
-        bearing |= {f"{body}_radial_N": passed["radial_N"], f"{body}_moment_Nm": passed["moment_Nm"]}
-    return bearing | {"drum_radial_N": drum}
 
 
 def with_floats(value: Any, write: Callable[[float], Any]) -> Any:

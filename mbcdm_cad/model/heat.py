@@ -14,15 +14,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf, pi, sqrt
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mbcdm_cad.design.bought import Motor
 from mbcdm_cad.routes import Floats
-
-if TYPE_CHECKING:
-    from mbcdm_cad.design.bought import Motor
-
 
 # Growth of copper's resistance, 1/K; temperature at which data sheets state resistance and continuous torque, C.
 COPPER_PER_K, RATED_AT_C = 0.00393, 25.0

@@ -31,6 +31,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from mbcdm_cad.model.equilibrium import sum_per_input
 from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled, inlined
@@ -212,8 +213,7 @@ class Response:
 
     def input_torque_Nm(self, d: DriveSI) -> Floats:
         """Torque that holds each input at each sample, shape (n_inputs, n)."""
-        pull = (d.sigma * d.input_radius_m)[:, None] * self.tension_N
-        return np.stack([pull[[j for j, k in enumerate(d.input_of) if k == i]].sum(axis=0) for i in range(d.n_inputs)])
+        return sum_per_input(d, self.tension_N, d.input_radius_m[:, None])
 
 
 def checked_series(d: DriveSI, input_angle_rad: Any, load_Nm: Any) -> tuple[Floats, Floats]:
@@ -299,10 +299,9 @@ def simulate_profiles(
         np.minimum(length, ENDLESS_RAD),
         float(d.friction_coefficient),
         winding,
-        _pairs(d, through_rad),
+        np.array(d.through_sides if through_rad is not None else (), dtype=np.int64).reshape(-1, 2),
     )
-    series = _Series(np.ascontiguousarray(angle[list(d.input_of)]), np.ascontiguousarray(offset), load)
-    outcome, k, j = _run(wound, series, drum, tension)
+    outcome, k, j = _run(wound, np.ascontiguousarray(angle[list(d.input_of)]), offset, load, drum, tension)
     if outcome == RUN_OFF:
         raise ModelError(
             f"sample {k}: cable {d.cable_names[j]} would wind off more than its wrap "
@@ -329,19 +328,6 @@ class _Wraps(NamedTuple):
     mu: float
     winding: bool
     through: Any
-
-
-def _pairs(d: DriveSI, through_rad: float | None) -> Any:
-    """The two sides of each cable, (n, 2), if they share a wrap; else (0, 2)."""
-    return np.array(d.through_sides if through_rad is not None else (), dtype=np.int64).reshape(-1, 2)
-
-
-class _Series(NamedTuple):
-    """Input angle and stretch from it of each cable (n, samples), load (samples,)."""
-
-    angles: Floats
-    offsets: Floats
-    load: Floats
 
 
 @inlined
@@ -408,10 +394,14 @@ def _roomier(stacks: Floats) -> Floats:
 
 
 @compiled
-def _run(wound: _Wraps, series: _Series, drum: Floats, tension: Floats) -> tuple[int, int, int]:
-    """Fill ``drum`` and ``tension``. Returns the outcome, the sample and the cable where it failed."""
+def _run(
+    wound: _Wraps, angles: Floats, offsets: Floats, load: Floats, drum: Floats, tension: Floats
+) -> tuple[int, int, int]:
+    """Fill ``drum`` and ``tension`` for input angle and stretch from it of each cable (n, samples), load (samples,).
+
+    Returns the outcome, the sample and the cable where it failed.
+    """
     table, radius, length, mu, winding = wound.table, wound.radius, wound.length, wound.mu, wound.winding
-    angles, offsets, load = series.angles, series.offsets, series.load
     n_cables, n_wraps = radius.shape
     stacks = np.zeros((n_cables, n_wraps, 4, ROOM))
     counts = np.full((n_cables, n_wraps), 2)

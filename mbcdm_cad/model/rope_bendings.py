@@ -10,10 +10,10 @@ found. A test of one's own (an anchor) replaces all of it but the exponents.
 """
 
 from dataclasses import dataclass
-from typing import Literal, Protocol
 
 import numpy as np
 
+from mbcdm_cad.design.bought import LifeAnchor
 from mbcdm_cad.model.tensioning import WIRES
 from mbcdm_cad.routes import Floats
 
@@ -42,34 +42,6 @@ SIGMA_ANCHOR, SIGMA_X_EXPONENT, SIGMA_LOAD_EXPONENT, SIGMA_FIBRE_EXPONENT = 0.3,
 ANCHOR_RATIOS, ANCHOR_LOADS, ANCHOR_FIBRE = (0.5, 2.0), (1.0 / 3.0, 3.0), (0.2, 2.0)
 
 
-class TestedRope(Protocol):
-    """A test of one's own on a rope: bendings at which half of ``count`` ropes had broken, and how it was run."""
-
-    @property
-    def bendings(self) -> float:
-        """Bendings on and off a pulley."""
-
-    @property
-    def bend_ratio(self) -> float:
-        """D/d of the pulley."""
-
-    @property
-    def load_share(self) -> float:
-        """Tension over breaking load."""
-
-    @property
-    def groove(self) -> float | None:
-        """Radius of the groove over the rope's diameter; None: smooth."""
-
-    @property
-    def lubrication(self) -> Literal["oiled", "dry"]:
-        """How the rope was run."""
-
-    @property
-    def count(self) -> int:
-        """Number of ropes tested."""
-
-
 @dataclass(frozen=True)
 class RopeKind:
     """What the life of a rope depends on besides pulley and tension. ``construction``: strands x wires, or braid."""
@@ -78,7 +50,7 @@ class RopeKind:
     diameter_mm: float
     material: str
     lubrication: str
-    anchor: TestedRope | None = None
+    anchor: LifeAnchor | None = None
 
     @property
     def fibre(self) -> bool:
@@ -145,7 +117,7 @@ def bendings(rope: RopeKind, at: Crossing) -> Floats:
     return np.asarray(plain * fixed * groove_factor(at.groove) * fleet_factor(at.fleet_deg, at.bend_ratio))
 
 
-def _scaled(rope: RopeKind, anchor: TestedRope, at: Crossing) -> Floats:
+def _scaled(rope: RopeKind, anchor: LifeAnchor, at: Crossing) -> Floats:
     if rope.fibre:
         share = np.maximum(at.load_share, 1e-9)
         over = anchor.load_share / anchor.bend_ratio * at.bend_ratio / share
@@ -154,10 +126,10 @@ def _scaled(rope: RopeKind, anchor: TestedRope, at: Crossing) -> Floats:
     inside = Crossing(np.minimum(at.bend_ratio, high), np.maximum(at.load_share, low), at.groove, at.fleet_deg)
     groove = np.nan if anchor.groove is None else anchor.groove
     tested = Crossing(*(np.asarray(v, float) for v in (anchor.bend_ratio, anchor.load_share, groove, 0.0)))
-    return anchor.bendings * _powers(rope, inside, rope.lubrication) / _powers(rope, tested, anchor.lubrication)
+    return anchor.bendings * _powers(inside, rope.lubrication) / _powers(tested, anchor.lubrication)
 
 
-def _powers(rope: RopeKind, at: Crossing, lubrication: str) -> Floats:
+def _powers(at: Crossing, lubrication: str) -> Floats:
     """The generic formula without its borders, for ratios."""
     plain = at.bend_ratio**X_EXPONENT * at.load_share**LOAD_EXPONENT * LUBRICATION_FACTORS[lubrication]
     return np.asarray(plain * groove_factor(at.groove) * fleet_factor(at.fleet_deg, at.bend_ratio))
@@ -183,7 +155,7 @@ def too_hard(rope: RopeKind, at: Crossing) -> str:
     return ""
 
 
-def _beyond_anchor(rope: RopeKind, anchor: TestedRope, at: Crossing) -> str:
+def _beyond_anchor(rope: RopeKind, anchor: LifeAnchor, at: Crossing) -> str:
     ratio, share = float(np.min(at.bend_ratio)), float(np.max(at.load_share))
     if rope.fibre:
         over = float(np.max(at.load_share / at.bend_ratio)) / (anchor.load_share / anchor.bend_ratio)

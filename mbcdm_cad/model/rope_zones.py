@@ -6,7 +6,7 @@ angle. What a pulley never gives up does not bend.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from itertools import pairwise
 from statistics import NormalDist
@@ -142,13 +142,6 @@ class _Pass:
     tension_N: Floats
     at: Crossing
 
-    def point(self, index: int) -> tuple[float, ...]:
-        """Crossing of one point, as the fields of :class:`Crossing`."""
-        return tuple(float(getattr(self.at, name)[index]) for name in _FIELDS)
-
-
-_FIELDS = ("bend_ratio", "load_share", "groove", "fleet_deg")
-
 
 def rope_life(rope: RopeInUse, levels: Sequence[Level]) -> RopeLife:
     """Damage along a rope, its weakest point and the cycles until it breaks there. A rope that never bends: refused."""
@@ -174,10 +167,14 @@ def rope_life(rope: RopeInUse, levels: Sequence[Level]) -> RopeLife:
     met = [one for one in passes if one.bendings[worst] > 0.0]
     share = np.array([own[worst] for one, own in zip(passes, each, strict=True) if one.bendings[worst] > 0.0])
     share = share / damage[worst]
-    hard = Crossing(*(np.array(values) for values in zip(*(one.point(worst) for one in met), strict=True)))
+    hard = Crossing(*(np.array([getattr(one.at, f.name)[worst] for one in met]) for f in fields(Crossing)))
     reason = too_hard(rope.rope, hard)
     bent = sum(float(one.bendings[worst]) for one in met)
-    easy = "" if reason else _too_easy(rope.rope, hard, share, bent, float(damage[worst]))
+    easy = ""
+    if not reason and float(share[at_border(rope.rope, hard)].sum()) > 0.5:
+        easy = "its bends are so easy that the data end before them: it lives longer than they show"
+    elif not reason and rope.rope.anchor is None and bent > MOST_BENDINGS * float(damage[worst]):
+        easy = f"more than {MOST_BENDINGS:.0f} bendings, where the data end: it lives longer than they show"
     reason = reason or easy
     return RopeLife(
         rope.name,
@@ -191,15 +188,6 @@ def rope_life(rope: RopeInUse, levels: Sequence[Level]) -> RopeLife:
         damage,
         bool(easy),
     )
-
-
-def _too_easy(rope: RopeKind, at: Crossing, share: Floats, bent: float, damage: float) -> str:
-    """Why a rope outlives what the data show, for ``bent`` bendings a cycle that take ``damage``; empty if not."""
-    if float(share[at_border(rope, at)].sum()) > 0.5:
-        return "its bends are so easy that the data end before them: it lives longer than they show"
-    if rope.anchor is None and bent > MOST_BENDINGS * damage:
-        return f"more than {MOST_BENDINGS:.0f} bendings, where the data end: it lives longer than they show"
-    return ""
 
 
 def _ends(tangent: Tangent, level: Level) -> tuple[float, float]:

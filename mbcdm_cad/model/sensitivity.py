@@ -212,15 +212,8 @@ def elasticities(d: DriveSI, need: Requirements) -> dict[str, dict[str, float]]:
     ``radii`` scales all radii together. By similarity, scaling tensions and EA together, or lengths and torques
     together, leaves the angles unchanged.
     """
-    names = (
-        "preload_N",
-        "load_Nm",
-        "friction_coefficient",
-        "modulus_Pa",
-        *(v.name for v in d.geometry.varied),
-        "radii",
-        "input_rating_Nm",
-    )
+    varied = (v.name for v in d.geometry.varied)
+    names = ("preload_N", "load_Nm", "friction_coefficient", "modulus_Pa", *varied, "radii", "input_rating_Nm")
     answers = {}
     for name in names:
         ends = []

@@ -10,24 +10,20 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, Geometry, RoutedDrive
 from mbcdm_cad.routes.route import DriveRoutes
 
-if TYPE_CHECKING:
-    from mbcdm_cad.design.drive import Drive
-
 
 class ModelError(MbcdmError):
     """A question the model cannot answer; the text says what, the value, the limit and the remedy."""
 
-
-__all__ = ["GPA", "MM", "MM2", "DriveSI", "Floats", "to_si"]
 
 # The fields that a batch of designs may vary, by shape; the geometry's lengths besides.
 PER_CABLE = ("preload_N", "input_wrap_rad", "drum_wrap_rad", "anchor_m_N")

@@ -68,7 +68,6 @@ class DrumBacklash:
     reversal_swing_rad: Floats
     idle: Equilibrium
     loaded: Equilibrium
-    reversed_: Equilibrium
 
 
 def drum_backlash(d: DriveSI, load_Nm: Any) -> DrumBacklash:
@@ -82,7 +81,6 @@ def drum_backlash(d: DriveSI, load_Nm: Any) -> DrumBacklash:
         np.abs(back.drum_angle_rad - loaded.drum_angle_rad),
         idle,
         loaded,
-        back,
     )
 
 

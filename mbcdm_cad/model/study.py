@@ -6,15 +6,13 @@ distinguished in grey and by colour-blind readers.
 Figures are drawn without a display and written as SVG or PNG, by the suffix; the same data gives the same bytes.
 """
 
-from __future__ import annotations
-
 import csv
 import json
 from collections.abc import Sequence
 from dataclasses import asdict
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -27,9 +25,7 @@ from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.sensitivity import GlobalIndices, Panel, elasticities, figure_5, global_indices, intervals
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.tolerance import DRAWS, StackUp, Tolerances, ToleranceStack, stack_data, tolerance_stack
-
-if TYPE_CHECKING:
-    from mbcdm_cad.parallel.forks import Crew
+from mbcdm_cad.parallel.forks import Crew
 
 # Okabe and Ito's palette without its yellow, which is hardly visible on paper.
 COLOURS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9")

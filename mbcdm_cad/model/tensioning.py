@@ -268,11 +268,6 @@ def limits_of_pitch_Hz(
     )
 
 
-def bedding_loss_N(bedding_share: float, axial_stiffness_N: float) -> float:
-    """Tension that a cable with fixed ends loses by bedding in, N: share x EA; hence it must be retightened."""
-    return bedding_share * axial_stiffness_N
-
-
 # If one pitch corresponds to a range of tensions wider than this, the pitch alone cannot set the preload.
 USABLE_SPREAD = 0.25
 
@@ -310,7 +305,7 @@ class CableSetting:
     string_Hz: tuple[float, ...]
     pitch_Hz: tuple[tuple[float, float], ...]
     tension_spread: float  # of the tension read from a pitch, for want of the bending stiffness
-    bedding_loss_N: float
+    bedding_loss_N: float  # by fixed ends: it must be retightened
 
 
 @dataclass(frozen=True)
@@ -387,5 +382,5 @@ def _setting(c: TensionedCable, rope: TensionedRope, pitch_m: float) -> CableSet
         string_Hz=tuple(plucked_Hz(c.preload_N, rope.mass_kg_m, span) for span in c.spans_m),
         pitch_Hz=pitches,
         tension_spread=max(spreads, default=1.0),
-        bedding_loss_N=bedding_loss_N(rope.bedding_share, rope.axial_stiffness_N),
+        bedding_loss_N=rope.bedding_share * rope.axial_stiffness_N,
     )

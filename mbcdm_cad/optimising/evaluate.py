@@ -1,17 +1,16 @@
 """Evaluate one point: size it, check it without advice, and take its figures as ``check`` or ``analyse`` gives them."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.checks.size import kept_mass_g
+from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loader import Resolved
 from mbcdm_cad.design.yamltree import leaves, value_at
 from mbcdm_cad.errors import InputError, MbcdmError, did_you_mean
@@ -24,17 +23,13 @@ from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.layouts.turns import TurnAt, turns_of
 from mbcdm_cad.model.analysis import PeakTorques, peak_torques, reversal_swing_mrad
 from mbcdm_cad.model.capability import torque_to_weight_Nm_kg
+from mbcdm_cad.model.structure.causes import Structure
 from mbcdm_cad.optimising.spread import Spread, percentile_of
 from mbcdm_cad.optimising.wishes import Keep
+from mbcdm_cad.parts.bill import Bill
 from mbcdm_cad.parts.making import NoPriceError, bought_cost_EUR, material_cost_EUR
 from mbcdm_cad.solving.question import Point, Question, stated
 from mbcdm_cad.solving.trials import LAST, checks_by_id, missed, must_hold
-
-if TYPE_CHECKING:
-    from mbcdm_cad.design.drive import Drive
-    from mbcdm_cad.model.structure.causes import Structure
-    from mbcdm_cad.parts.bill import Bill
-
 
 # Figures are kept to this many significant digits: a linear algebra library with another number of threads changes the
 # last ones, and a search that goes on elsewhere shall end with the same bytes.

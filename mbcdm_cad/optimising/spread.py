@@ -5,16 +5,15 @@ Latin hypercube (McKay, Beckman, Conover, 1979) of normal laws. Each uncertain q
 name, so that every design sees the same draws (common random numbers) and differences between designs are not noise.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.layouts.structure import structure_of
@@ -23,13 +22,10 @@ from mbcdm_cad.model.losses import BEARINGS, GEARHEAD, GEARHEAD_IDLE, MOTOR, ROP
 from mbcdm_cad.model.sensitivity import by_cable, shifted
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.stiffness import drum_backlash
+from mbcdm_cad.model.structure.causes import Structure
 from mbcdm_cad.parts.making import model_tolerances
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS
-
-if TYPE_CHECKING:
-    from mbcdm_cad.design.drive import Drive
-    from mbcdm_cad.model.structure.causes import Structure
 
 DRAWS, SEED = 256, 95
 # Standard deviations over the values, for files that give none: those of the ranges of the sensitivity study, 45 to 65

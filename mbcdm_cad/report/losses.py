@@ -1,15 +1,14 @@
 """Losses between motors and payload, and two cable stages side by side: plain data, and what the page shows of it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from mbcdm_cad.design.bought import Motor
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.life import life_of
 from mbcdm_cad.layouts.structure import structure_of
@@ -17,10 +16,6 @@ from mbcdm_cad.model.losses import GEARHEAD, GEARHEAD_IDLE, MOTOR, MovingLosses,
 from mbcdm_cad.model.structure.causes import urad_Nm
 from mbcdm_cad.report.table import chart
 from mbcdm_cad.routes import Floats
-
-if TYPE_CHECKING:
-    from mbcdm_cad.design.bought import Motor
-
 
 # Loads over the peak torque.
 LOAD_SHARES = np.linspace(0.05, 1.0, 20)

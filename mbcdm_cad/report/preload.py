@@ -1,14 +1,12 @@
 """The preload of a design and how the built drive measures it: text, plain data, and the files of the procedure."""
 
-from __future__ import annotations
-
 import csv
 import io
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -16,11 +14,9 @@ from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts import preload
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.preload import NutTurn, PreloadRule
+from mbcdm_cad.model.preload_ramp import MeasuredPreloads, Ramp
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.report.table import TextReport, rendered, terminal_lines
-
-if TYPE_CHECKING:
-    from mbcdm_cad.model.preload_ramp import MeasuredPreloads, Ramp
 
 HEAD = ("angle_rad", "torque_Nm")
 # Column of a log that has the motor's torque, current times torque constant, in place of that on the input's shaft.

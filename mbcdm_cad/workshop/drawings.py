@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import mbcdm_cad
-from mbcdm_cad.design.blocks import Making
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError, did_you_mean
@@ -30,7 +29,6 @@ if TYPE_CHECKING:
 
 # The solid of a made part with the tolerances of its sheet.
 WITH_TOLERANCES = "ap242.step"
-# Libraries whose version changes the bytes of a drawing.
 # The name of the sheet of the whole drive.
 ASSEMBLY = "assembly"
 
@@ -45,11 +43,6 @@ def _shown(part: Part, made: StoredPart) -> Any:
     if isinstance(part, MadePart) and (simple := part.in_views()) != part:
         return simple.solid().wrapped
     return made.solid()
-
-
-def _stated(drive: Drive) -> tuple[str, Making]:
-    """What every sheet states of the whole design."""
-    return drive.name, drive.making
 
 
 def _facts(drive: Drive, material: str, mass_g: float, printed: bool = False) -> PartFacts:
@@ -72,7 +65,7 @@ class _Job:
     @property
     def key(self) -> str:
         """Names all that the sheet follows from."""
-        data = (self.name, self.part, self.material, self.made.key, *_stated(self.drive))
+        data = (self.name, self.part, self.material, self.made.key, self.drive.name, self.drive.making)
         return content_key("drawing", data, type(self.part).__module__)
 
     def make(self) -> dict[str, bytes]:
@@ -106,7 +99,7 @@ class _Assembly:
     def key(self) -> str:
         """Names all that the sheet follows from."""
         keys = {item.part: self.parts[item.part].key for item in self.posed.items}
-        return content_key("assembly drawing", (self.posed.items, keys, *_stated(self.drive)))
+        return content_key("assembly drawing", (self.posed.items, keys, self.drive.name, self.drive.making))
 
     def make(self) -> dict[str, bytes]:
         """The sheet's files by extension."""
@@ -128,8 +121,6 @@ class _Assembly:
                 [cq.Shape.cast(solids[i.part].wrapped.Moved(location(i.location))) for i in chosen]
             )
 
-        whole = together(cut=False)
-        cut = together(cut=True)
         number = numbers(self.items)
         bodies = [
             SeenBody(
@@ -147,7 +138,8 @@ class _Assembly:
         designations = {name: part.designation for name, part in parts.items() if isinstance(part, StandardPart)}
         sheet = assembly_sheet(ASSEMBLY, self.items, bodies, envelope, designations)
         mass = assembly_mass(self.posed.items, shapes).mass_g
-        return draw_sheet(sheet, cut, _facts(self.drive, "see list of parts", mass), whole)
+        facts = _facts(self.drive, "see list of parts", mass)
+        return draw_sheet(sheet, together(cut=True), facts, together(cut=False))
 
 
 def drawn_parts(drive: Drive) -> tuple[str, ...]:

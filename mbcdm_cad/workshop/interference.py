@@ -18,7 +18,7 @@ from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.parallel.forks import fork_map
 from mbcdm_cad.parts.bill import CABLE, FIXED, Bill, Item, MovingBody, Placement, Vector, cable_item
 from mbcdm_cad.routes.curves import CablePath, Stretch
-from mbcdm_cad.workshop.pairs import Box, Cables, Clash, Faces, Found, Pair, PartShape, Rod, RodShape, Test, rounded
+from mbcdm_cad.workshop.pairs import Cables, Clash, Faces, Found, Pair, PartShape, Rod, RodShape, Test, rounded
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ def scenes(layout: Layout, drum_angles_deg: Iterable[float]) -> dict[float, Pose
     return {
         angle: Pose(
             angle,
-            tuple(item for item in layout.bill(angle).items if not item.name.startswith(CABLE)),
+            tuple(item for item in layout.bill(angle).items if not is_cable(item)),
             layout.all_cable_paths(radians(angle)),
         )
         for angle in dict.fromkeys(drum_angles_deg)
@@ -83,14 +83,10 @@ def bodies(moving: Sequence[MovingBody], centred: Bill) -> tuple[MovingGroup, ..
     for item in centred.items:
         if not is_cable(item):
             members[item.group].append(item.name)
-    still = MovingGroup(FIXED, "fixed", (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), 0.0, tuple(sorted(members[FIXED])))
-    return (
-        still,
-        *(
-            MovingGroup(b.name, b.kind, b.axis, b.origin_mm, b.turns_per_drum, tuple(sorted(members[b.name])))
-            for b in moving
-        ),
-    )
+    names = {body: tuple(sorted(own)) for body, own in members.items()}
+    still = MovingGroup(FIXED, "fixed", (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), 0.0, names[FIXED])
+    turning = (MovingGroup(b.name, b.kind, b.axis, b.origin_mm, b.turns_per_drum, names[b.name]) for b in moving)
+    return (still, *turning)
 
 
 @dataclass(frozen=True)
@@ -159,7 +155,11 @@ def interference_run(
     }
 
     def solids(angle_deg: float, together: bool) -> None:
-        for first, second in _meeting(placed[angle_deg]):
+        there = placed[angle_deg]
+        low, high = (np.array([box[k] for _, box in there]).reshape(-1, 3) for k in (0, 1))
+        meet = np.all((low[:, None] < high[None, :]) & (low[None, :] < high[:, None]), axis=2)
+        for i, j in np.argwhere(np.triu(meet, 1)):
+            first, second = there[i][0], there[j][0]
             if (first.group == second.group) == together:
                 placement = rounded(first.location.inverse @ second.location)
                 pair = Pair(bodies[first.part], bodies[second.part], placement)
@@ -197,13 +197,3 @@ def answers(run: InterferenceRun, known: Mapping[str, Found], jobs: int) -> dict
     missing = run.missing(known)
     worked_out = fork_map(lambda key: run.tests[key].test(), missing, jobs)
     return {**{key: known[key] for key in run.tests if key in known}, **dict(zip(missing, worked_out, strict=True))}
-
-
-def _meeting(placed: Sequence[tuple[Item, Box]]) -> Iterator[tuple[Item, Item]]:
-    """The pairs whose boxes meet, in the order of the items."""
-    if not placed:
-        return
-    low, high = (np.array([box[k] for _, box in placed]) for k in (0, 1))
-    meet = np.all((low[:, None] < high[None, :]) & (low[None, :] < high[:, None]), axis=2)
-    for i, j in np.argwhere(np.triu(meet, 1)):
-        yield placed[i][0], placed[j][0]

@@ -46,14 +46,8 @@ class ShapeProperties:
     def from_json(cls, text: str | bytes) -> "ShapeProperties":
         """The properties from :meth:`to_json`, to the last bit."""
         content = json.loads(text)
-        return cls(
-            content["volume_mm3"],
-            content["area_mm2"],
-            _vector(content["centroid_mm"]),
-            _matrix(content["inertia_mm5"]),
-            _vector(content["low_mm"]),
-            _vector(content["high_mm"]),
-        )
+        vectors = {name: vector(content[name]) for name in ("centroid_mm", "low_mm", "high_mm")}
+        return cls(**content | vectors | {"inertia_mm5": _matrix(content["inertia_mm5"])})
 
 
 def rod_shape(pieces: Sequence[Piece], radius_mm: float) -> ShapeProperties:
@@ -77,7 +71,7 @@ def rod_shape(pieces: Sequence[Piece], radius_mm: float) -> ShapeProperties:
     ends = np.concatenate([piece.points(np.array([0.0, 1.0])) for piece in pieces] + [points])
     low, high = ends.min(axis=0) - radius_mm, ends.max(axis=0) + radius_mm
     area = 2.0 * np.pi * radius_mm * (length + radius_mm)
-    return ShapeProperties(section * length, area, _vector(centroid), _matrix(inertia), _vector(low), _vector(high))
+    return ShapeProperties(section * length, area, vector(centroid), _matrix(inertia), vector(low), vector(high))
 
 
 @dataclass(frozen=True)
@@ -97,7 +91,7 @@ class MassProperties:
         """The properties of the same body after the motion ``placement``."""
         rotation = placement.rotation
         turned = rotation @ np.array(self.inertia_g_mm2) @ rotation.T
-        return MassProperties(self.mass_g, _vector(placement.apply(np.array(self.cog_mm))), _matrix(turned))
+        return MassProperties(self.mass_g, vector(placement.apply(np.array(self.cog_mm))), _matrix(turned))
 
     def about_axis(self, direction: Vector, point_mm: Vector = (0.0, 0.0, 0.0)) -> float:
         """Moment of inertia in g mm^2 about the line through ``point_mm`` along ``direction`` (any length)."""
@@ -129,7 +123,7 @@ def combined(bodies: Iterable[MassProperties]) -> MassProperties:
     for part in parts:
         offset = np.array(part.cog_mm) - cog
         inertia += np.array(part.inertia_g_mm2) + part.mass_g * (offset @ offset * np.eye(3) - np.outer(offset, offset))
-    return MassProperties(mass_g, _vector(cog), _matrix(inertia))
+    return MassProperties(mass_g, vector(cog), _matrix(inertia))
 
 
 def assembly_mass(items: Iterable[Item], shapes: Mapping[str, ShapeProperties]) -> MassProperties:
@@ -137,13 +131,14 @@ def assembly_mass(items: Iterable[Item], shapes: Mapping[str, ShapeProperties]) 
     return combined(item_mass(item, shapes[item.part]) for item in items)
 
 
-def _vector(values: Iterable[float] | NDArray[np.float64]) -> Vector:
+def vector(values: Iterable[float] | NDArray[np.float64]) -> Vector:
+    """Three numbers of any kind as a vector."""
     x, y, z = (float(value) for value in values)
     return x, y, z
 
 
 def _matrix(rows: Iterable[Iterable[float]] | NDArray[np.float64]) -> Matrix:
-    first, second, third = (_vector(row) for row in rows)
+    first, second, third = (vector(row) for row in rows)
     return first, second, third
 
 

@@ -1,7 +1,8 @@
-"""Mesh solids into triangles with a chordal error that is measured and kept below its limit."""
+"""Mesh solids into triangles with a chordal error that is measured and kept below its limit; all files of a part."""
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -22,9 +23,14 @@ from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Edge, TopoDS_Face, TopoDS_Shape
 from OCP.TopTools import TopTools_IndexedMapOfShape
 
+from mbcdm_cad.design.bought import Material
 from mbcdm_cad.errors import GeometryError
-from mbcdm_cad.workshop.kernel import Shape, kernel_shape
-from mbcdm_cad.workshop.trianglemesh import FloatArray, IntArray, TriangleMesh, without_collapsed
+from mbcdm_cad.parts.bill import PartSpec
+from mbcdm_cad.parts.bodies import ROD_MESH_RADII, CableRod
+from mbcdm_cad.workshop.export.step import part_step
+from mbcdm_cad.workshop.kernel import Shape, brep_bytes, kernel_shape, measure, validate_solid
+from mbcdm_cad.workshop.mass import PartFiles
+from mbcdm_cad.workshop.trianglemesh import FloatArray, IntArray, TriangleMesh, rod_mesh, without_collapsed
 
 # Places of a triangle at which it may be farthest from its surface: its centroid and the middle of each side.
 _SAMPLES = np.array([[1 / 3, 1 / 3, 1 / 3], [0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]])
@@ -387,3 +393,44 @@ def _edge_segments(
         parameters = np.array([polygon.Parameter(k) for k in steps]) if polygon.HasParameters() else np.empty(0)
         if not BRep_Tool.IsClosed_s(edge, face):  # a seam is not a visible edge
             yield np.column_stack((nodes[:-1], nodes[1:])), edge_deviation(edge, parameters)
+
+
+# Called with a part's name and its STEP file as soon as the file exists, before its mesh is made.
+OnStep = Callable[[str, bytes], None]
+
+
+def drawn_part(
+    spec: PartSpec, material: Material, mesh_tolerance_mm: float | None, on_step: OnStep = lambda name, step: None
+) -> PartFiles:
+    """All files of one part; the mesh is empty if no tolerance is given.
+
+    Raises ``GeometryError``, naming the part, if the result is not one valid solid.
+    """
+    try:
+        solid = spec.part.solid()
+    except Exception as error:  # the kernel raises its own types, with texts such as StdFail_NotDone
+        raise GeometryError(f"{spec.name}: cannot be drawn with these dimensions") from error
+    if mesh_tolerance_mm is None or not isinstance(rope := spec.part, CableRod):
+        return make_part_files(spec.name, solid, material, mesh_tolerance_mm, on_step)
+    files = make_part_files(spec.name, solid, material, None, on_step)
+    tolerance_mm = max(mesh_tolerance_mm, ROD_MESH_RADII * rope.radius)
+    return replace(files, mesh=rod_mesh(rope.pieces, rope.radius, tolerance_mm))
+
+
+def make_part_files(
+    name: str,
+    solid: Shape,
+    material: Material,
+    mesh_tolerance_mm: float | None,
+    on_step: OnStep = lambda name, step: None,
+) -> PartFiles:
+    """Validate, translate, mesh (where a tolerance is given) and measure one solid.
+
+    Raises ``GeometryError`` as :func:`validate_solid` and :func:`mesh_solid` do. The interference run finds faces that
+    intersect each other.
+    """
+    validate_solid(name, solid)
+    step = part_step(name, solid, material)
+    on_step(name, step)
+    mesh = TriangleMesh.empty() if mesh_tolerance_mm is None else mesh_solid(name, solid, mesh_tolerance_mm)
+    return PartFiles(name=name, brep=brep_bytes(solid), step=step, mesh=mesh, shape=measure(solid))

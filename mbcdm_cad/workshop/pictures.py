@@ -13,8 +13,9 @@ from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.parallel.forks import fork_map
 from mbcdm_cad.parts.bill import CABLE, Item, Placement, Vector
 from mbcdm_cad.storage.cache import Cache, content_key
+from mbcdm_cad.workshop.mass import vector
 from mbcdm_cad.workshop.store import Progress, StoredPart, drawn
-from mbcdm_cad.workshop.trianglemesh import FloatArray, TriangleMesh
+from mbcdm_cad.workshop.trianglemesh import TriangleMesh
 
 # Factor on the distance of each part from the middle in the exploded view.
 EXPLODED = 1.1
@@ -84,18 +85,13 @@ def _png(parts: Mapping[str, StoredPart], shown: Sequence[Item], how: dict[str, 
 
 def exploded(items: Sequence[Item], meshes: Mapping[str, TriangleMesh]) -> tuple[Item, ...]:
     """The items moved away from their common middle, each in proportion to its distance from it."""
-    middles = [_middle(item, meshes[item.part]) for item in items]
+    middles = [np.mean(meshes[item.part].box_mm(item.location), axis=0) for item in items]
     low, high = np.min(middles, axis=0), np.max(middles, axis=0)
     apart = EXPLODED * (np.array(middles) - (low + high) / 2.0)
     return tuple(
         replace(item, location=Placement.translation(*(float(v) for v in shift)) @ item.location)
         for item, shift in zip(items, apart, strict=True)
     )
-
-
-def _middle(item: Item, mesh: TriangleMesh) -> FloatArray:
-    points = item.location.apply(mesh.points_mm)
-    return np.asarray((points.min(axis=0) + points.max(axis=0)) / 2.0)
 
 
 def transfer_section(layout: Layout) -> tuple[Vector, Vector, float] | None:
@@ -126,8 +122,4 @@ def transfer_section(layout: Layout) -> tuple[Vector, Vector, float] | None:
     low, high = points.min(axis=0), points.max(axis=0)
     half = float(np.linalg.norm(high - low)) / 2.0 + _AROUND_DIAMETERS * layout.drive.cable.diameter_mm
     centre, unit = (low + high) / 2.0, normal / length
-    return _triple(centre), _triple(unit), half
-
-
-def _triple(v: FloatArray) -> Vector:
-    return (float(v[0]), float(v[1]), float(v[2]))
+    return vector(centre), vector(unit), half

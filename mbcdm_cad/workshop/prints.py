@@ -19,7 +19,7 @@ from mbcdm_cad.parts.milled import one_solid
 from mbcdm_cad.storage.cache import Cache, content_key
 from mbcdm_cad.workshop.export.files import lying, threemf_bytes
 from mbcdm_cad.workshop.store import Progress, Store, StoredPart, drawn, exported_parts
-from mbcdm_cad.workshop.trianglemesh import FloatArray, TriangleMesh
+from mbcdm_cad.workshop.trianglemesh import FloatArray, TriangleMesh, faces
 
 if TYPE_CHECKING:
     from mbcdm_cad.workshop.kernel import Shape
@@ -47,13 +47,12 @@ def thinnest_wall(mesh: TriangleMesh) -> ThinWall | None:
     An oblique wall is found only where its faces are perpendicular to an axis, as on a cylinder.
     """
     found: list[ThinWall] = []
-    normals = _normals(mesh.corners_mm)
+    _, normals = faces(mesh.corners_mm)
     for axis in range(3):
         first, second = (axis + 1) % 3, (axis + 2) % 3
-        hits = [
+        enters, leaves = (
             _hits(mesh.corners_mm[sign * normals[:, axis] > _SQUARE][:, :, (first, second, axis)]) for sign in (-1, 1)
-        ]
-        enters, leaves = hits
+        )
         thickness, rays, start = _pairs(enters, leaves)
         order = np.argsort(thickness, kind="stable")
         if len(order) >= RAYS:
@@ -68,16 +67,10 @@ def thinnest_wall(mesh: TriangleMesh) -> ThinWall | None:
 def overhang_mm2(mesh: TriangleMesh) -> float:
     """Area, mm^2, that overhangs by more than ``OVERHANG_DEG`` from the vertical, with the part on the bed."""
     corners = mesh.corners_mm @ lying(mesh).T
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    area = np.linalg.norm(across, axis=1) / 2.0
-    down = _normals(corners)[:, 2] < -np.sin(np.radians(OVERHANG_DEG)) - 1e-6
+    area, normals = faces(corners)
+    down = normals[:, 2] < -np.sin(np.radians(OVERHANG_DEG)) - 1e-6
     on_bed = corners[:, :, 2].max(axis=1) < corners[:, :, 2].min() + _ON_BED_MM
     return float(area[down & ~on_bed].sum())
-
-
-def _normals(corners: FloatArray) -> FloatArray:
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return np.asarray(across / np.maximum(np.linalg.norm(across, axis=1), 1e-30)[:, None])
 
 
 def _hits(triangles: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -1,4 +1,4 @@
-"""Parts, assembly files and the interference run: read from the cache, or made and stored in it.
+"""Parts, assembly files and the interference run: read from the cache, or made and stored in it; cadquery's objects.
 
 The kernel is imported only when something has to be made.
 """
@@ -15,12 +15,12 @@ import numpy as np
 
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.layouts.base import FrameCompliance, Layout
+from mbcdm_cad.errors import MbcdmError, did_you_mean
+from mbcdm_cad.layouts.base import FrameCompliance, Layout, NoFigureError
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.parallel.forks import fork_map, forked
 from mbcdm_cad.parts.bill import CABLE, Bill, Item, PartSpec
-from mbcdm_cad.storage.cache import Cache, content_key
+from mbcdm_cad.storage.cache import Cache, cache_folder, content_key
 from mbcdm_cad.workshop.interference import interference_run, scenes
 from mbcdm_cad.workshop.mass import PartFiles
 from mbcdm_cad.workshop.pairs import Clash, Found, PartShape
@@ -72,7 +72,7 @@ class Store:
         found = self.known(keys)
         missing = [name for name in specs if name not in found]
         if missing:
-            from mbcdm_cad.workshop.makefiles import drawn_part
+            from mbcdm_cad.workshop.meshing import drawn_part
 
             self._note(*missing)
             with forked(lambda n: drawn_part(specs[n], materials[n], mesh_tolerance_mm), missing, jobs) as results:
@@ -294,3 +294,45 @@ def refuse_angle(drive: Drive, angle_deg: float) -> None:
             f"--angle: beyond the travel (value {angle_deg:g} deg, limit +-{drive.half_travel_deg:g} deg); "
             "choose an angle within it or widen travel.half_angle_deg"
         )
+
+
+def part_names(drive: Drive) -> tuple[str, ...]:
+    """Names of all parts, as their files have them. Raises ``MbcdmError`` where the dimensions have no solution."""
+    return tuple(_bill(drive).parts)
+
+
+def part_solid(drive: Drive, name: str) -> Any:
+    """One part in its own frame, in mm. Raises ``MbcdmError`` for a name that no part has."""
+    parts = _bill(drive).parts
+    if name not in parts:
+        raise MbcdmError(f"{name}: no such part; {did_you_mean(name, parts)}")
+    return parts[name].part.solid()
+
+
+def assembled(drive: Drive, angle_deg: float) -> Any:
+    """All parts in their places with the drum at ``angle_deg``, a sub-assembly for each group that moves together.
+
+    Parts come from the cache if it has them. Raises ``MbcdmError`` for an angle beyond the travel.
+    """
+    import cadquery as cq
+
+    from mbcdm_cad.workshop.kernel import location
+
+    items, parts = drawn(drive, angle_deg, Cache(cache_folder()), lambda name: None)
+    shapes = {name: cq.Shape.cast(part.solid()) for name, part in parts.items()}
+    # cadquery requires names that are unique in the whole tree, but the drum is a part in a group of the same name.
+    groups = {item.group: cq.Assembly(name=f"{item.group}_group") for item in items}
+    for item in items:
+        place = cq.Location(location(item.location))
+        groups[item.group].add(shapes[item.part], loc=place, name=item.name, color=cq.Color(*item.material.colour, 1.0))
+    whole = cq.Assembly(name=f"{drive.name}_assembly")
+    for group in groups.values():
+        whole.add(group)
+    return whole
+
+
+def _bill(drive: Drive) -> Bill:
+    try:
+        return layout_of(drive).bill()
+    except NoFigureError as error:
+        raise MbcdmError(f"{drive.name}: {error}; 'mbcdm check' says more") from None

@@ -72,14 +72,7 @@ class TriangleMesh:
     def to_bytes(self) -> bytes:
         """The mesh as stored in the cache."""
         buffer = io.BytesIO()
-        np.savez(
-            buffer,
-            points_mm=self.points_mm,
-            normals=self.normals,
-            triangles=self.triangles,
-            edges=self.edges,
-            deviation_mm=self.deviation_mm,
-        )
+        np.savez(buffer, **vars(self))
         return buffer.getvalue()
 
     @classmethod
@@ -92,13 +85,8 @@ class TriangleMesh:
     def from_bytes(cls, data: bytes) -> "TriangleMesh":
         """The mesh from :meth:`to_bytes`."""
         with np.load(io.BytesIO(data), allow_pickle=False) as stored:
-            return cls(
-                stored["points_mm"],
-                stored["normals"],
-                stored["triangles"],
-                stored["edges"],
-                float(stored["deviation_mm"]),
-            )
+            arrays = dict(stored)
+        return cls(**arrays | {"deviation_mm": float(arrays["deviation_mm"])})
 
 
 def rod_mesh(pieces: Sequence[Piece], radius_mm: float, tolerance_mm: float) -> TriangleMesh:
@@ -160,6 +148,13 @@ def rod_mesh(pieces: Sequence[Piece], radius_mm: float, tolerance_mm: float) -> 
         np.concatenate([count + circle, count + sides + circle]).astype(np.int32),
         deviation,
     )
+
+
+def faces(corners_mm: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Areas (m,) in mm^2 and unit normals (m, 3) of triangles (m, 3, 3); the normal of one without area is zero."""
+    across = np.cross(corners_mm[:, 1] - corners_mm[:, 0], corners_mm[:, 2] - corners_mm[:, 0])
+    double = np.linalg.norm(across, axis=1)
+    return double / 2.0, across / np.maximum(double, 1e-30)[:, None]
 
 
 def single(points_mm: FloatArray) -> NDArray[np.float32]:

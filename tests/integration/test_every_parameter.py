@@ -268,7 +268,7 @@ def test_windup_limit_is_held_against_the_windup() -> None:
 
 
 def test_mesh_tolerance_changes_the_mesh() -> None:
-    from mbcdm_cad.workshop.makefiles import drawn_part
+    from mbcdm_cad.workshop.meshing import drawn_part
 
     counts = []
     for tolerance in (0.01, 0.04):

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.parts.bill import Item, Placement, sorted_items
-from mbcdm_cad.workshop.trianglemesh import FloatArray, TriangleMesh, single
+from mbcdm_cad.workshop.trianglemesh import FloatArray, TriangleMesh, faces, single
 
 # Blocks that nothing refers to, in random order in the kernel's text: sorted by their content.
 _UNORDERED = ("MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION", "PROPERTY_DEFINITION_REPRESENTATION")
@@ -195,9 +195,7 @@ def lying(mesh: TriangleMesh) -> FloatArray:
     The one with the largest flat area below; of equal ones the lowest, then the first in a fixed order.
     """
     corners = mesh.corners_mm
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    area = np.linalg.norm(across, axis=1) / 2.0
-    normal = across / np.maximum(2.0 * area, 1e-30)[:, None]
+    area, normal = faces(corners)
     best: tuple[float, float, int] | None = None
     chosen = np.eye(3)
     for order, (axis, sign) in enumerate(product((2, 1, 0), (1.0, -1.0))):

@@ -6,7 +6,7 @@ A moving picture is a GIF of an assembly whose drum swings through its travel.
 import ctypes
 import io
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import cos, pi, radians
 from typing import Any
@@ -98,9 +98,7 @@ def picture_png(
         pieces = (_body(surface, item.location, colour_of(item)), _edges(lines, item.location))
         for actor in pieces if cut is None else _cut(pieces, cut, colour_of(item)):
             renderer.AddActor(actor)
-    renderer.AutomaticLightCreationOff()
-    _lights().AddLightsToRenderer(renderer)
-    renderer.SetBackground(*_BACKGROUND)
+    _light(renderer)
     points = np.concatenate([item.location.apply(meshes[item.part].points_mm) for item in items])
     camera = _camera(points, VIEWS[view] if cut is None else cut.normal, size)
     if cut is not None:
@@ -190,13 +188,9 @@ def _actor(data: vtkPolyData, placement: Placement) -> vtkActor:
     mapper = vtkPolyDataMapper()
     mapper.SetInputData(data)
     mapper.SetResolveCoincidentTopologyToPolygonOffset()  # so that edges lie on the surface, not half in it
-    matrix = vtkMatrix4x4()
-    for row, values in enumerate(placement.rows):
-        for column, value in enumerate(values):
-            matrix.SetElement(row, column, value)
     actor = vtkActor()
     actor.SetMapper(mapper)
-    actor.SetUserMatrix(matrix)
+    actor.SetUserMatrix(_matrix(placement))
     return actor
 
 
@@ -226,14 +220,16 @@ def _display(linear: float) -> float:
     return 12.92 * linear if linear <= 0.0031308 else 1.055 * math.pow(linear, 1.0 / 2.4) - 0.055
 
 
-def _lights() -> vtkLightKit:
+def _light(renderer: vtkRenderer) -> None:
     """A bright light above the camera, and a weaker one at the camera for the faces that it sees directly."""
+    renderer.AutomaticLightCreationOff()
+    renderer.SetBackground(*_BACKGROUND)
     lights = vtkLightKit()
     lights.SetKeyLightIntensity(0.85)
     lights.SetKeyToFillRatio(2.5)
     lights.SetKeyToHeadRatio(1.8)
     lights.SetKeyToBackRatio(3.0)
-    return lights
+    lights.AddLightsToRenderer(renderer)
 
 
 def _text(note: str, size: tuple[int, int]) -> vtkTextActor:
@@ -246,17 +242,7 @@ def _text(note: str, size: tuple[int, int]) -> vtkTextActor:
 
 
 def _drawn(renderer: vtkRenderer, size: tuple[int, int]) -> bytes:
-    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)  # it warns of every way to draw that it tries in vain
-    window = vtkRenderWindow()
-    if window.GetClassName() == "vtkOSOpenGLRenderWindow" and not _loadable(_OSMESA):
-        raise OutputError(
-            "cannot draw a picture: there is no display, and neither EGL nor OSMesa to do without one; install one "
-            "of them (Debian: apt-get install libegl1, or libosmesa6)"
-        )
-    window.OffScreenRenderingOn()
-    window.SetMultiSamples(_SAMPLES)
-    window.SetSize(*size)
-    window.AddRenderer(renderer)
+    window = _window(renderer, size)
     window.Render()
     image = vtkWindowToImageFilter()
     image.SetInput(window)
@@ -270,14 +256,28 @@ def _drawn(renderer: vtkRenderer, size: tuple[int, int]) -> bytes:
     return bytes(memoryview(writer.GetResult()))
 
 
-def _loadable(libraries: Iterable[str]) -> bool:
-    for library in libraries:
-        try:
-            ctypes.CDLL(library)
-        except OSError:
-            continue
-        return True
-    return False
+def _window(renderer: vtkRenderer, size: tuple[int, int]) -> vtkRenderWindow:
+    """A window that needs no display. Raises ``OutputError`` if the machine has no library for one."""
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)  # it warns of every way to draw that it tries in vain
+    window = vtkRenderWindow()
+    if window.GetClassName() == "vtkOSOpenGLRenderWindow" and not any(map(_loadable, _OSMESA)):
+        raise OutputError(
+            "cannot draw a picture: there is no display, and neither EGL nor OSMesa to do without one; install one "
+            "of them (Debian: apt-get install libegl1, or libosmesa6)"
+        )
+    window.OffScreenRenderingOn()
+    window.SetMultiSamples(_SAMPLES)
+    window.SetSize(*size)
+    window.AddRenderer(renderer)
+    return window
+
+
+def _loadable(library: str) -> bool:
+    try:
+        ctypes.CDLL(library)
+    except OSError:
+        return False
+    return True
 
 
 _SIDES = 8
@@ -334,20 +334,12 @@ def travel_gif(
     for item in items:
         mesh = meshes[item.part]
         surface = _body(_surface(mesh), item.location, item.material.colour)
-        edges = _edges(_lines(mesh), item.location)
-        actors[item.name] = [surface, edges]
+        actors[item.name] = [surface, _edges(_lines(mesh), item.location)]
         for actor in actors[item.name]:
             renderer.AddActor(actor)
-    renderer.AutomaticLightCreationOff()
-    _lights().AddLightsToRenderer(renderer)
-    renderer.SetBackground(*_BACKGROUND)
+    _light(renderer)
     renderer.SetActiveCamera(_still_camera(items, meshes, moving, half_travel_deg, view, size))
-    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
-    window = vtkRenderWindow()
-    window.OffScreenRenderingOn()
-    window.SetMultiSamples(_SAMPLES)
-    window.SetSize(*size)
-    window.AddRenderer(renderer)
+    window = _window(renderer, size)
     paths_at, diameter_mm, colour = cables
     pictures: list[Image.Image] = []
     ropes: list[vtkActor] = []

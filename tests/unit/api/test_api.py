@@ -274,7 +274,7 @@ def test_every_instance_has_its_place_and_a_name_of_its_own(
     design: mc.DriveDesign, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Boxes stand in for the solids, so that nothing is drawn; a design may be called after one of its parts."""
-    from mbcdm_cad.workshop import solids
+    from mbcdm_cad.workshop import store
 
     cq = pytest.importorskip("cadquery")
 
@@ -283,12 +283,12 @@ def test_every_instance_has_its_place_and_a_name_of_its_own(
             return cq.Solid.makeBox(1.0, 1.0, 1.0).wrapped
 
     def stand_in(drive: object, angle_deg: float, *_: object) -> object:
-        items = solids._bill(drive).items  # type: ignore[arg-type]
+        items = store._bill(drive).items  # type: ignore[arg-type]
         return items, {item.part: Box() for item in items}
 
-    monkeypatch.setattr(solids, "drawn", stand_in)
+    monkeypatch.setattr(store, "drawn", stand_in)
     whole = design.with_(name="drum").assembly()
-    items = solids._bill(design.drive).items
+    items = store._bill(design.drive).items
     placed = {
         name.rpartition("/")[2]: part.loc.toTuple()[0] for name, part in whole.objects.items() if part.obj is not None
     }

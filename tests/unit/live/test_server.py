@@ -15,7 +15,7 @@ from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.live.preview import Previewer
 from mbcdm_cad.live.watch import HOST, Server, WatchState
 from mbcdm_cad.storage.cache import Cache
-from mbcdm_cad.workshop.makefiles import make_part_files
+from mbcdm_cad.workshop.meshing import make_part_files
 from mbcdm_cad.workshop.store import StoredPart
 from tests.support.reference import REFERENCE
 

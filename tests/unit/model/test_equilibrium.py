@@ -258,7 +258,6 @@ def test_elastic_stretch_of_the_reference_cables() -> None:
     assert tensioning.untensioned_length_m(LENGTH_M[0], 70.0, EA_N) == pytest.approx(
         LENGTH_M[0] - found[0].elastic_m, abs=4e-6
     )
-    assert tensioning.bedding_loss_N(0.002, EA_N) == pytest.approx(33.7, abs=0.1)
     with pytest.raises(ValueError, match="below zero"):
         tensioning.take_up(-1.0, 70.0, EA_N, 0.0, 0.0)
 

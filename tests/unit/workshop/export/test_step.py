@@ -35,8 +35,8 @@ from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.workshop.export.files import canonical_step, with_description
 from mbcdm_cad.workshop.export.step import assembly_step, part_step, part_step_ap242
 from mbcdm_cad.workshop.kernel import brep_bytes, measure, shape_from_brep
-from mbcdm_cad.workshop.makefiles import make_part_files
 from mbcdm_cad.workshop.mass import PartFiles
+from mbcdm_cad.workshop.meshing import make_part_files
 from tests.acceptance.freecad import freecad_program, run_in_freecad
 from tests.support.reference import DRIVE as _DRIVE
 
