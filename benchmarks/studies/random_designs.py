@@ -33,7 +33,7 @@ from mbcdm_cad.layouts.miso_bevel.checks import room as miso_bevel_room
 from mbcdm_cad.layouts.miso_spur import checks as round_checks
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.layouts.siso_bevel import checks as bevel_checks
-from mbcdm_cad.layouts.siso_spur.checks import room
+from mbcdm_cad.layouts.siso_spur.checks import frame
 from mbcdm_cad.parts.bill import CABLE, Bill, PartSpec
 from mbcdm_cad.workshop.interference import travel_poses
 from mbcdm_cad.workshop.kernel import bounding_box
@@ -52,7 +52,7 @@ SPACES = {**LAYOUTS, USUAL.configuration: USUAL}
 # What foresees box and volumes before anything is drawn.
 BOXES: dict[str, Any] = {
     "miso_bevel": miso_bevel_room.box_mm,
-    "siso_spur": room.box_mm,
+    "siso_spur": frame.box_mm,
     "miso_spur": round_checks.box_mm,
     "siso_bevel": bevel_checks.box_mm,
 }

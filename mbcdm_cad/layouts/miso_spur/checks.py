@@ -6,16 +6,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mbcdm_cad.checks.comparison import Family, Findings, at_most, check, families
+from mbcdm_cad.checks.comparison import Family, Findings, at_most, check
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM
 from mbcdm_cad.checks.size import box_checks, mass_estimate
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.siso_spur.checks import FAMILIES as OF_ONE_INPUT
-from mbcdm_cad.layouts.siso_spur.checks import room, support, winding
-from mbcdm_cad.layouts.siso_spur.checks.room import BOX_ADJUSTMENTS, DOWELS, ROOM, outline, sectors_apart
-from mbcdm_cad.layouts.siso_spur.checks.wraps import stacks
+from mbcdm_cad.layouts.siso_spur.checks import frame, winding
+from mbcdm_cad.layouts.siso_spur.checks.frame import BOX_ADJUSTMENTS, DOWELS, GAPS, outline, sectors_apart
+from mbcdm_cad.layouts.siso_spur.checks.winding import stacks
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
 
 __all__ = ["FAMILIES", "stacks"]
@@ -175,29 +175,28 @@ def box_mm(s: RoundDrumLayout) -> tuple[float, float, float]:
     return float(wide), float(high), front - min(v.motor_bottom_z, v.back_y)
 
 
-OF_ALL = (*ROOM, *box_checks(box_mm, at.targets.envelope_mm, BOX_ADJUSTMENTS), mass_estimate)
+OF_ALL = (*GAPS, *box_checks(box_mm, at.targets.envelope_mm, BOX_ADJUSTMENTS), mass_estimate)
 
 
 # The checks of several inputs stand before or after those of one: the shares behind the winding, the sectors before
 # the support, the room of all in place of the room of one.
-_, _WINDING, _SUPPORT, _ROOM = families(winding, support, room)
 _PLACES = {
-    _WINDING: (
-        _WINDING,
+    winding.FAMILIES[1]: (
+        winding.FAMILIES[1],
         Family(
             "Shares of the inputs in the load of the drum, which follow from the stiffness of their cables.",
             (load_sharing,),
         ),
     ),
-    _SUPPORT: (
+    frame.SUPPORT: (
         Family(
             "Sectors side by side on one shaft: apart from each other, past the inputs of the others, "
             "and pinned hub to hub.",
             SECTORS,
         ),
-        _SUPPORT,
+        frame.SUPPORT,
     ),
-    _ROOM: (
+    frame.ROOM: (
         Family("Gaps between turning and fixed parts, and the box of all inputs compared with its target.", OF_ALL),
     ),
 }

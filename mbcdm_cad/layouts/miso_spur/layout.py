@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.layouts.base import Conventions
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.siso_spur.support.dims import SpurStack, spur_stack
+from mbcdm_cad.layouts.siso_spur.support import SpurStack, spur_stack
 
 if TYPE_CHECKING:
     from mbcdm_cad.parts.milled import Milled

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from math import cos, inf, pi, radians, sin, tan
 from typing import TYPE_CHECKING
 
-from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
+from mbcdm_cad.layouts.siso_spur.support import YokeDims
 from mbcdm_cad.layouts.siso_spur.support.parts import Yoke, arm_bodies, arm_taken, centre_bodies, centre_taken
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.milled import Bores, Feature, Form, Milled

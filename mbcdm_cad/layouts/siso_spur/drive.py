@@ -10,8 +10,8 @@ import numpy as np
 from mbcdm_cad.design.bought import Bearing
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.sector_blocks import WoundPulleys
-from mbcdm_cad.layouts.siso_spur.schema import SpurDrum, SpurLimits, YokeSupport
-from mbcdm_cad.layouts.siso_spur.strand import SENSE, Circle, IdlerBlock, IdlerPlace, Strand, flange_radius_mm, taut
+from mbcdm_cad.layouts.siso_spur.routes import SENSE, Circle, Strand, flange_radius_mm, taut
+from mbcdm_cad.layouts.siso_spur.schema import IdlerBlock, IdlerPlace, SpurDrum, SpurLimits, YokeSupport
 from mbcdm_cad.parts.drum_sector.design import SectorBearings, SectorDrive, SectorRun
 from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_DEPTH, GROOVE_RADIUS

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 from mbcdm_cad.layouts.base import Attachment
-from mbcdm_cad.layouts.siso_spur.strand import flange_radius_mm, idler_body
+from mbcdm_cad.layouts.siso_spur.routes import flange_radius_mm, idler_body
 from mbcdm_cad.model.losses import BearingPair, body_bearings
 from mbcdm_cad.parts.bill import ALONG_Y, BillBuilder, Placement
 from mbcdm_cad.parts.fits import FITS

@@ -24,14 +24,14 @@ from mbcdm_cad.checks.design_variables import (
 from mbcdm_cad.checks.fixings import STRESS_SAFETY
 from mbcdm_cad.layouts.base import Conventions, dimensions
 from mbcdm_cad.layouts.sector import HeadLayout
-from mbcdm_cad.layouts.siso_spur.cable_path import cable_paths, longest_mm, routed, side_length_mm
+from mbcdm_cad.layouts.siso_spur.cable_path import cable_paths, longest_mm, side_length_mm
 from mbcdm_cad.layouts.siso_spur.drive import MOST_SPREAD, PITCH_SPREAD, SpurDrive, SpurRun, laid, spur
+from mbcdm_cad.layouts.siso_spur.first_stage import FirstStageUnit
 from mbcdm_cad.layouts.siso_spur.idlers import IdlerPin, Idlers, idlers, pins
-from mbcdm_cad.layouts.siso_spur.pulley import ServoHorn, input_pulley
-from mbcdm_cad.layouts.siso_spur.schema import YokeSupport
-from mbcdm_cad.layouts.siso_spur.stage import BeltOrGears, FirstStageUnit
-from mbcdm_cad.layouts.siso_spur.strand import IdlerBlock, no_strand
-from mbcdm_cad.layouts.siso_spur.support.dims import SpurStack, YokeDims, flange, spur_stack, yoke
+from mbcdm_cad.layouts.siso_spur.pulley import BeltOrGears, ServoHorn, input_pulley
+from mbcdm_cad.layouts.siso_spur.routes import DISTANCE, IDLER_RADIUS, SpurGeometry, no_strand
+from mbcdm_cad.layouts.siso_spur.schema import IdlerBlock, YokeSupport
+from mbcdm_cad.layouts.siso_spur.support import SpurStack, YokeDims, flange, spur_stack, yoke
 from mbcdm_cad.parts.coupling import (
     HUB_EDGE_MM,
     CollarDims,
@@ -51,7 +51,7 @@ from mbcdm_cad.parts.motor_head.dims import Flange, HeadDims, head
 from mbcdm_cad.parts.terminal import Tensioner, tensioned_rope, terminal_travel_mm
 from mbcdm_cad.parts.turned import DrumShaftDims, IdlerDims
 from mbcdm_cad.routes.curves import CablePath, turned_about_y
-from mbcdm_cad.routes.geometry import RoutedDrive
+from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, RoutedDrive
 
 if TYPE_CHECKING:
     from mbcdm_cad.model.si import DriveSI
@@ -143,7 +143,29 @@ class SpurLayout(HeadLayout):
 
     def routes_in(self, unit: float) -> RoutedDrive:
         """See the base class."""
-        return routed(self.drive, unit)
+        drive = self.drive
+        geometry = SpurGeometry(
+            cable_names=tuple(run.name for run in drive.cables),
+            input_names=tuple(drive.input_names),
+            input_of=tuple(drive.input_names.index(run.input_name) for run in drive.cables),
+            angle_rad=drive.angles_rad[: len(drive.input_names)],
+            level_m=tuple((drive.level_mm + level) * unit for level in drive.levels_mm),
+            drum_side=tuple(run.drum_side for run in drive.cables),
+            outward=tuple(run.outward for run in drive.cables),
+            turns=drive.turns,
+            lead_m=drive.helix_lead_mm * unit,
+            apart_m=drive.leave_mm * unit if drive.anchored else None,
+            idlers=tuple((p.x_mm * unit, p.z_mm * unit) for p in drive.idler_places),
+            input_sense=drive.input_sense,
+        )
+        parameters = {
+            INPUT_RADIUS: np.array([run.input_radius_mm * unit for run in drive.cables]),
+            DRUM_RADIUS: np.array([run.drum_radius_mm * unit for run in drive.cables]),
+            DISTANCE: np.asarray(drive.centre_distance_mm * unit),
+        }
+        if drive.idlers:
+            parameters[IDLER_RADIUS] = np.full(len(drive.cables), drive.idlers.radius_mm * unit)
+        return RoutedDrive(geometry, parameters, {"centre_distance_mm": drive.centre_distance_mm})
 
     @property
     def input_units(self) -> tuple[SpurLayout, ...]:

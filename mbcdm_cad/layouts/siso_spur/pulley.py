@@ -15,24 +15,30 @@ the part are (x, z, -y) there. On the motor's shaft alone, y to the right (front
             |     |
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import pi
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.design.bought import Bearing, Screw, Servo
 from mbcdm_cad.layouts.base import Attachment
 from mbcdm_cad.layouts.sector import coupled_pulley
 from mbcdm_cad.layouts.siso_spur.cable_path import stop_of
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, contact_rad, groove_depth_mm, groove_run_out_rad
-from mbcdm_cad.parts.bill import ALONG_Y, BillBuilder, Placement
+from mbcdm_cad.layouts.siso_spur.routes import turned
+from mbcdm_cad.parts.bill import ALONG_Y, BillBuilder, MovingBody, Placement
 from mbcdm_cad.parts.bodies import screw_places
-from mbcdm_cad.parts.coupling import collar_over_shelf_mm
+from mbcdm_cad.parts.coupling import Belt, Wheel, belt_bottom_mm, collar_over_shelf_mm
 from mbcdm_cad.parts.drum_sector.design import LandLevels
 from mbcdm_cad.parts.input_pulley import dims
 from mbcdm_cad.parts.input_pulley.dims import HornFlange, InputPulleyDims, SetHub
 from mbcdm_cad.parts.input_pulley.items import add_horn
 from mbcdm_cad.parts.motor_head.dims import Flange, Places, body_radius_mm
+
+if TYPE_CHECKING:
+    pass
+
 
 # Metal before and behind the set screws in the hub.
 HUB_EDGE_MM = 1.0
@@ -350,3 +356,51 @@ class ServoHorn(Attachment):
         """The horn with its screws."""
         drive, face = self.layout.drive, self.layout.levels.motor_shelf_bottom_z
         add_horn(b, drive, drive.servo, name, turn @ ALONG_Y, face)
+
+
+# Linear RGB.
+_RUBBER = (0.015, 0.015, 0.017)
+
+
+class BeltOrGears(Attachment):
+    """The driving wheel stands beyond the input, as seen from the drum."""
+
+    block = "stage"
+
+    def moving_bodies(self, body: MovingBody) -> Iterator[MovingBody]:
+        """The driving wheel of an input."""
+        drive = self.layout.drive
+        if body.kind == "input":
+            name = body.name.removeprefix("input_")
+            angle = drive.angles_rad[drive.input_names.index(name)]
+            at = turned(angle, 0.0, drive.centre_distance_mm + drive.stage.centre_mm)
+            turns = body.numerator_mm * drive.stage.ratio * drive.stage.sense
+            yield MovingBody(f"driver_{name}", "stage", at, body.axis, turns, body.denominator_mm)
+
+    def add_on_input(self, b: BillBuilder, name: str, turn: Placement) -> None:
+        """Both wheels, and the belt."""
+        drive, dims = self.layout.drive, self.layout.stage
+        metal = drive.material("aluminium-7075" if dims.stage.is_belt else "steel")
+        at = turn @ ALONG_Y @ Placement.translation(0.0, 0.0, dims.bottom_z)
+        for part, spec, body in (("driven", dims.driven, "input"), ("driver", dims.driver, "driver")):
+            b.add(
+                f"stage_{part}_{name}",
+                Wheel(spec),
+                part=f"stage_{part}",
+                material=metal,
+                group=f"{body}_{name}",
+                place=at,
+                mass_g=dims.mass_g(spec),
+            )
+        if dims.belt is not None:
+            # The belt is drawn with the driver at +Y; turned, it is away from the drum.
+            stand = turn @ Placement.translation(0.0, 0.0, drive.centre_distance_mm) @ ALONG_Y
+            bottom = Placement.translation(0.0, 0.0, dims.bottom_z + belt_bottom_mm())
+            b.add(
+                f"stage_belt_{name}",
+                Belt(dims.belt),
+                part="stage_belt",
+                material=replace(drive.material("stainless"), colour=_RUBBER),
+                place=stand @ Placement.about((0.0, 0.0, 1.0), 180.0) @ bottom,
+                mass_g=dims.mass_g(dims.belt),
+            )

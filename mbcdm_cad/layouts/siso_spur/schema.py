@@ -11,14 +11,47 @@ from mbcdm_cad.design.blocks import TRAVEL_MAX_DEG, Design, Input, Length, Limit
 from mbcdm_cad.design.fields import ESTIMATE, Block, EntryName, Integer, Number, PlainBlock, choice, quantity
 from mbcdm_cad.design.loader import reference_of
 from mbcdm_cad.design.sector_blocks import Clearances, HeadSupport, SectorCable, SectorDrum, WoundPulleys
-from mbcdm_cad.layouts.siso_spur.strand import IdlerBlock
 from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
 
 REFERENCE = reference_of(Path(__file__).parent / "design_file")
+
+
 # Screws of the catalogue by their thread; their length depends on the base.
 MOUNT_BOLTS = {"M3": "M3x8", "M4": "M4x10", "M5": "M5x16", "M6": "M6x25"}
+
+
 # Most turns on an input (estimate: a winding some ten times as long as the input is thick).
 MOST_TURNS = 100
+
+
+@dataclass(frozen=True, kw_only=True)
+class IdlerPlace(PlainBlock):
+    """Where an idler of the side that lands on the drum at +x stands; that of the other side is its mirror image.
+
+    The cables pass between the two.
+    """
+
+    x_mm: Number = quantity("axis of the idler, from the line of centres", "(0, 2000]", example=14.0)
+    z_mm: Number = quantity("axis of the idler, from the drum's axis towards the input", "(0, 2000]", example=90.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class IdlerBlock(PlainBlock):
+    """Idlers between the input and the drum, in pairs, one for each side of the cable."""
+
+    pairs: Integer | None = quantity(
+        "number of pairs that the rule places; left out, that of places, or else one", example=1, ge=1, le=1
+    )
+    radius_mm: Number = quantity("pitch radius of all idlers", "(0, 500]", example=14.0)
+    width_mm: Number = quantity("land of an idler along its axis, on which the cable walks", "(0, 300]", example=15.0)
+    bearing: EntryName = choice("bearing in both ends of each idler", example="624")
+    places: tuple[IdlerPlace, ...] = choice(
+        "the idlers of the side that lands on the drum at +x, in the order from the input to the drum: "
+        "{x_mm: X, z_mm: Z}; the other side has their mirror images",
+        example=[{"x_mm": 14.0, "z_mm": 90.0}],
+        min_length=1,
+        max_length=8,
+    )
 
 
 class SpurTransmission(Block):

@@ -2,16 +2,16 @@
 
 from mbcdm_cad.checks import bearings, drum_sector, fixings, motor_head, motors, springs, strength, structure, terminals
 from mbcdm_cad.checks.comparison import Family, families
-from mbcdm_cad.layouts.siso_spur.checks import idlers, overhung, room, stage, support, winding, wraps
-from mbcdm_cad.layouts.siso_spur.checks.wraps import stacks
+from mbcdm_cad.layouts.siso_spur.checks import frame, idlers, overhung, stage, winding
+from mbcdm_cad.layouts.siso_spur.checks.winding import stacks
 
 __all__ = ["FAMILIES", "stacks"]
 
 # First the checks of the mechanism, then those of the parts.
 FAMILIES = families(
-    winding,
+    *winding.FAMILIES,
     idlers,
-    wraps,
+    *winding.ON_DRUM,
     strength,
     motors,
     bearings,
@@ -26,7 +26,7 @@ FAMILIES = families(
     structure,
     terminals,
     springs,
-    support,
+    frame.SUPPORT,
     motor_head,
-    room,
+    frame.ROOM,
 )

@@ -18,7 +18,7 @@ from mbcdm_cad.checks.fixings import FRICTION, SLIP_SAFETY, STRESS_SAFETY, bent_
 from mbcdm_cad.checks.geometry import drum_zones
 from mbcdm_cad.layouts.siso_spur.idlers import FLANGE_MM, StandDims, strap_screw
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.siso_spur.strand import flange_radius_mm
+from mbcdm_cad.layouts.siso_spur.routes import flange_radius_mm
 from mbcdm_cad.model.losses import BEARING_START, bearing_torque_Nm
 from mbcdm_cad.model.tensioning import plucked_Hz
 from mbcdm_cad.parts.fits import clamp_force_N

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from mbcdm_cad.layouts.siso_spur.idlers import StandDims
 from mbcdm_cad.layouts.siso_spur.pulley import MotorSeat
-from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
+from mbcdm_cad.layouts.siso_spur.support import YokeDims
 from mbcdm_cad.parts.boss import boss_bodies, boss_bores, boss_threads, seat_diameters, seats_mm
 from mbcdm_cad.parts.fits import DRUM_AXIS, FITS, TO_AXIS_MM, GeometricTolerance, one_axis
 from mbcdm_cad.parts.milled import Bores, Feature, Form, Milled, Slab, block, cylinder_y, fuse, rounded, span, wide

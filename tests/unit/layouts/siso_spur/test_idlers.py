@@ -22,7 +22,7 @@ from mbcdm_cad.layouts.siso_spur.checks import idlers
 from mbcdm_cad.layouts.siso_spur.checks.idlers import LoadedPin, bearing_forces_N
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, spur
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.siso_spur.strand import Circle, Strand, taut
+from mbcdm_cad.layouts.siso_spur.routes import Circle, Strand, taut
 from mbcdm_cad.layouts.siso_spur.support.stiffness import seat_forces
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.losses import bearing_torque_Nm, tangent_share

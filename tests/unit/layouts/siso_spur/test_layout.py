@@ -15,9 +15,8 @@ from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import layout_of, load_design, load_text, new_design_text
 from mbcdm_cad.layouts.siso_spur.bill import bill
 from mbcdm_cad.layouts.siso_spur.cable_path import cable_path
-from mbcdm_cad.layouts.siso_spur.checks.room import drum_and_input
-from mbcdm_cad.layouts.siso_spur.checks.winding import FAMILIES, fleet_angle, input_slip, turn_distance_mm
-from mbcdm_cad.layouts.siso_spur.checks.wraps import turns_on_drum
+from mbcdm_cad.layouts.siso_spur.checks import winding
+from mbcdm_cad.layouts.siso_spur.checks.frame import drum_and_input
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, laid
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.support.stiffness import frame_compliance, out_of_line_mrad, seat_forces
@@ -231,7 +230,7 @@ def test_turns_beside_each_other_by_brute_force(drive: SpurDrive) -> None:
     s = np.linspace(0.0, 6.0, 601)
     span = np.stack([0 * s, s, slope * s], axis=1)
     nearest = min(float(np.linalg.norm(turn - point, axis=1).min()) for point in span)
-    assert turn_distance_mm(r, lead) == pytest.approx(nearest, abs=1e-4)
+    assert winding.turn_distance_mm(r, lead) == pytest.approx(nearest, abs=1e-4)
 
 
 @pytest.mark.parametrize(
@@ -247,20 +246,20 @@ def test_turns_beside_each_other_by_brute_force(drive: SpurDrive) -> None:
     ],
 )
 def test_winding_against_its_limits(drive: SpurDrive, check: str, change: dict[str, float], status: str) -> None:
-    found = next(c for c in FAMILIES[1].checks if c.id == check)
+    found = next(c for c in winding.FAMILIES[1].checks if c.id == check)
     result = run_check(found, SpurLayout(laid(replace(drive, **change))))
     assert result.status == status, result.message
 
 
 def test_remedy_of_slip_names_the_turns_that_hold(drive: SpurDrive) -> None:
-    found = input_slip
+    found = winding.input_slip
     result = run_check(found, SpurLayout(laid(replace(drive, turns=1))))
     assert "raise transmission.turns to 3" in result.remedy, result.remedy
 
 
 def test_smooth_input_is_refused_a_steep_helix(drive: SpurDrive) -> None:
     smooth = replace(drive, input_pulleys=replace(drive.input_pulleys, surface="smooth"))
-    found = fleet_angle
+    found = winding.fleet_angle
     for lead, status in ((0.9, "pass"), (1.1, "fail")):
         result = run_check(found, SpurLayout(laid(replace(smooth, helix_lead_mm=lead))))
         assert result.status == status, result.message
@@ -441,7 +440,7 @@ def test_turns_beside_each_other_on_the_drum_as_drawn(turns: SpurLayout) -> None
     drive, d = turns.drive, turns.drum
     lengths = [turns.cable_paths(float(a))[0].length_mm for a in np.linspace(-14.1, 14.1, 7)]
     assert np.ptp(lengths) < 1e-9 * lengths[0], lengths
-    check = turns_on_drum
+    check = winding.turns_on_drum
     pocket_gaps = []
     (path,) = turns.cable_paths(0.0)
     for t, run in zip(d.tensioners, sorted(drive.cables, key=lambda c: c.step), strict=True):
