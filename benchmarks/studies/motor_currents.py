@@ -18,8 +18,8 @@ from mbcdm_cad.design.blocks import STANDARD_GRAVITY_M_S2
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.measurement.loads import pendulum_load_Nm
-from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, Sensors, StatedMotors, TorqueClass
-from mbcdm_cad.measurement.schema import Pendulum
+from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, Sensors, TorqueClass
+from mbcdm_cad.measurement.schema import MotorBlock, Pendulum
 from mbcdm_cad.rig.dynamic.simulate import simulate_dynamic
 from mbcdm_cad.rig.experiment import DynamicExperiment
 from tests.support.bench_score import interval
@@ -67,7 +67,9 @@ def measured(
     true = CONSTANT_NM_A * (1.0 + SIGMA_SHARE * rng.normal())
     current = run.motor_Nm / (rig.gearheads[0].ratio * true)
     current = current + CURRENT_NOISE_A * rng.normal(size=current.shape)
-    motor = StatedMotors(CONSTANT_NM_A, SIGMA_SHARE, friction_Nm=rig.motors[0].coulomb_Nm)
+    motor = MotorBlock(
+        torque_constant_Nm_A=CONSTANT_NM_A, torque_constant_share=SIGMA_SHARE, friction_Nm=rig.motors[0].coulomb_Nm
+    )
     sensors = Sensors(1.9175e-4, 1.3635e-6, torque_class=TorqueClass.of_motors(SIGMA_SHARE))
     logged = Run(run.time_s, run.measured_input_rad, run.measured_drum_rad, sensors=sensors, source="run.csv")
     logged = replace(logged, input_names=drive.input_names, current_A=current, motor=motor)

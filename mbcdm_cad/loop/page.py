@@ -32,33 +32,6 @@ from mbcdm_cad.report.page.template import page_environment
 # Pages of more runs than this show the plots of the first ones.
 MOST_PLOTTED = 6
 
-# Text below each plot that says what to look for; pictures have a title too.
-TIME = (
-    "Over time: the output as measured and as the declared model predicts it; below, what is left of it before, and "
-    "after what was found was put into the model. Grey was held back before anything was chosen. Yellow is not used: "
-    "in the first half sweep the state of the friction is not known."
-)
-LOOP = (
-    "Transmission error over output angle",
-    "Output less inputs through the ratio. Where the blue line runs through the dots the model follows the drive.",
-)
-SCATTER = (
-    "What is left over output angle and load",
-    "Lines and large dots are means; over angle solid where it rises and dashed where it falls. Flat at zero is right. "
-    "A wave in angle looks like something that turns; two levels by direction like friction, lash or delay; a slope "
-    "over load like stiffness.",
-)
-ORDERS = (
-    "Orders of the remaining error: amplitude over cycles for a turn of the output. Dotted lines mark one turn of each "
-    "shaft; a peak on one of them, or on a multiple, points at that shaft. Grey: too few cycles over this travel."
-)
-
-BODE = (
-    "Output over inputs, as angles of the output",
-    "Gain, phase and coherence over the frequency of the excitation. The peak is the first mode with the inputs held; "
-    "a phase that falls in proportion to the frequency beside it is a delay of the bench.",
-)
-
 JudgedRun = tuple[Run, Sequence[VettingNote], Sequence[str]]
 
 
@@ -66,17 +39,12 @@ def report_page(result: LoopResult, design: dict[str, str] | None, runs: Sequenc
     """The page as HTML. ``design``: name, file and sha256, None where only the ratio is known."""
     plots = list(zip(runs, result.traces, strict=True))[:MOST_PLOTTED] if result.traces else []
     drawn = [_plots(judged[0], trace, result.chain_orders) for judged, trace in plots]
-    drawn += [
-        _bode(picture) if isinstance(picture, BodePicture) else _readings(picture)
-        for picture in result.pictures[:MOST_PLOTTED]
-    ]
+    drawn += [_picture(picture) for picture in result.pictures[:MOST_PLOTTED]]
     page = (
         page_environment(("mbcdm_cad.loop", "."))
         .get_template("report.html.j2")
         .render(
             sections=_sections(result, len(drawn)),
-            time_text=TIME,
-            orders_text=ORDERS,
             verdict=VERDICTS[result.verdict],
             finding=_micro(finding(result)),
             certainty=_micro(certainty(result)),
@@ -190,24 +158,21 @@ def _run(judged: JudgedRun) -> dict[str, Any]:
 
 def _plots(run: Run, trace: Traces, chain_orders: dict[str, float]) -> dict[str, Any]:
     ideal = np.interp(trace.time_s, run.time_s, run.input_rad.mean(axis=0) / chain_orders["input"])
-    drawn = ((LOOP, loop_png(trace, ideal)), (SCATTER, scatter_png(trace)))
+    drawn = {"loop": loop_png(trace, ideal), "scatter": scatter_png(trace)}
     return {
         "source": run.source,
         "over_time": time_charts(trace),
-        "images": [{"title": title, "text": text, "data": b64encode(png).decode()} for (title, text), png in drawn],
+        "images": [{"kind": kind, "data": b64encode(png).decode()} for kind, png in drawn.items()],
         "orders": orders_chart(trace, chain_orders),
     }
 
 
-def _readings(picture: ReadingsPicture) -> dict[str, Any]:
-    data = b64encode(readings_png(picture)).decode()
-    return {"source": picture.source, "images": [{"title": picture.title, "text": picture.words, "data": data}]}
-
-
-def _bode(picture: BodePicture) -> dict[str, Any]:
-    title = "Output over a torque on it, inputs held" if picture.over_torque else BODE[0]
-    image = {"title": title, "text": BODE[1], "data": b64encode(bode_png(picture)).decode()}
-    return {"source": picture.source, "images": [image]}
+def _picture(picture: ReadingsPicture | BodePicture) -> dict[str, Any]:
+    if isinstance(picture, BodePicture):
+        kind, png = "torque" if picture.over_torque else "inputs", bode_png(picture)
+    else:
+        kind, png = "readings", readings_png(picture)
+    return {"source": picture.source, "images": [{"kind": kind, "data": b64encode(png).decode(), "of": picture}]}
 
 
 def _micro(text: str) -> str:

@@ -25,18 +25,8 @@ from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.lumped import axis_friction
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.layouts.structure import input_play_rad, structure_of
-from mbcdm_cad.measurement.run import (
-    KNOWN_LOAD,
-    MOTORS_CURRENT,
-    BesideSensor,
-    PartsSeen,
-    Run,
-    StatedMotors,
-    TorqueClass,
-    half_sweeps,
-    smoothed,
-)
-from mbcdm_cad.measurement.schema import MOTION, CountedParts, Pendulum
+from mbcdm_cad.measurement.run import BesideSensor, PartsSeen, Run, TorqueClass, half_sweeps, smoothed
+from mbcdm_cad.measurement.schema import MOTION, CountedParts, MotorBlock, Pendulum
 from mbcdm_cad.model import losses
 from mbcdm_cad.model.structure.causes import sigma_urad_Nm, urad_Nm
 from mbcdm_cad.routes import Floats
@@ -92,7 +82,7 @@ LEAST_USED, LEAST_TOLD = 0.1, 0.2
 
 
 def motors_load_Nm(
-    figures: StatedMotors, current_A: Floats, input_rad: Floats, time_s: Floats, turns_per_drum: Floats
+    figures: MotorBlock, current_A: Floats, input_rad: Floats, time_s: Floats, turns_per_drum: Floats
 ) -> Floats:
     """Load on the drum, N m (n,), > 0 where it opposes positive rotation.
 
@@ -122,8 +112,8 @@ def with_motors_load(run: Run, drive: Drive | None, turns_per_drum: Floats) -> R
 
     Where the load is known too, a weight on an arm, it gives the torque constant; a torque sensor stays the load.
     """
-    weight = run.load_Nm if run.sensors.torque_class.what == KNOWN_LOAD else None
-    done = run.load_Nm is not None and run.sensors.torque_class.what == MOTORS_CURRENT
+    weight = run.load_Nm if run.sensors.torque_class.of_known else None
+    done = run.load_Nm is not None and run.sensors.torque_class.of_currents
     if run.current_A is None or run.motor is None or run.kind != MOTION or done or run.beside is not None:
         return run
     figures = run.motor if drive is None else figures_of(run.motor, drive)
@@ -136,7 +126,7 @@ def with_motors_load(run: Run, drive: Drive | None, turns_per_drum: Floats) -> R
     return replace(run, load_Nm=found, sensors=replace(run.sensors, torque_class=TorqueClass.of_motors(sigma)))
 
 
-def beside_weight(run: Run, figures: StatedMotors, turns_per_drum: Floats, weight_Nm: Floats) -> tuple[Floats, float]:
+def beside_weight(run: Run, figures: MotorBlock, turns_per_drum: Floats, weight_Nm: Floats) -> tuple[Floats, float]:
     """The load (n,) of motors that turn a known weight (n,), and the standard deviation of its gain, a share.
 
     The motors' load is fitted as that of the weight, with a friction that has the sense of the motion and may grow with
@@ -149,7 +139,7 @@ def beside_weight(run: Run, figures: StatedMotors, turns_per_drum: Floats, weigh
     assert run.current_A is not None and figures.torque_constant_Nm_A is not None
     constant = figures.torque_constant_Nm_A
     for last in (False, False, True):
-        known = replace(figures, torque_constant_Nm_A=constant)
+        known = figures.model_copy(update={"torque_constant_Nm_A": constant})
         load = motors_load_Nm(known, run.current_A, run.input_rad, run.time_s, turns_per_drum)
         factors = np.linalg.lstsq(table[moving], load[moving], rcond=1e-9)[0]
         if factors[0] <= 0.0:
@@ -173,7 +163,7 @@ def _carried_by(run: Run, load_Nm: Floats) -> tuple[Floats, NDArray[np.bool_]]:
 
 
 def beside_sensor(
-    run: Run, figures: StatedMotors, turns_per_drum: Floats, measured_Nm: Floats, drive: Drive | None
+    run: Run, figures: MotorBlock, turns_per_drum: Floats, measured_Nm: Floats, drive: Drive | None
 ) -> Run:
     """The run with what its currents say beside its torque sensor.
 
@@ -223,23 +213,19 @@ def weighed(stated: float, by_weight: float) -> tuple[float, float]:
     return share, by_weight * sqrt(share)
 
 
-def figures_of(given: StatedMotors, drive: Drive) -> StatedMotors:
+def figures_of(given: MotorBlock, drive: Drive) -> MotorBlock:
     """The figures with those of the design's motor and gearhead in place of what is not given.
 
     The torque constant stays None where the catalogue does not have it.
     """
-    constant = drive.motor.torque_constant_mNm_A
-
-    def first(one: float | None, other: float | None) -> float | None:
-        return other if one is None else one
-
-    return replace(
-        given,
-        torque_constant_Nm_A=first(given.torque_constant_Nm_A, None if constant is None else 1e-3 * constant),
-        gear_ratio=first(given.gear_ratio, drive.reduction.ratio),
-        efficiency=first(given.efficiency, drive.reduction.efficiency),
-        rotor_inertia_kg_m2=first(given.rotor_inertia_kg_m2, 1e-7 * drive.motor.rotor_inertia_g_cm2),
-    )
+    motor, constant = drive.motor, drive.motor.torque_constant_mNm_A
+    of_design = {
+        "torque_constant_Nm_A": None if constant is None else 1e-3 * constant,
+        "gear_ratio": drive.reduction.ratio,
+        "efficiency": drive.reduction.efficiency,
+        "rotor_inertia_kg_m2": 1e-7 * motor.rotor_inertia_g_cm2,
+    }
+    return given.model_copy(update={name: v for name, v in of_design.items() if getattr(given, name) is None})
 
 
 _URAD = 1e-6

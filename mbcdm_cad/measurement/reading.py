@@ -17,8 +17,8 @@ from mbcdm_cad.measurement.file import MeasurementFile, load_file
 from mbcdm_cad.measurement.kinds import KINDS, Rows, kind_of
 from mbcdm_cad.measurement.loads import pendulum_load_Nm
 from mbcdm_cad.measurement.logformat import DECIBEL, ISO_CLOCK, Format, Unit, find_format, line_with, unit_of
-from mbcdm_cad.measurement.run import KNOWN_LOAD, ResponseTable, Run, Sensors, StatedMotors, TorqueClass
-from mbcdm_cad.measurement.schema import CURRENT, NO_PLATE, Column, ResponseBlock, SensorFigures
+from mbcdm_cad.measurement.run import KNOWN_LOAD, ResponseTable, Run, Sensors, TorqueClass
+from mbcdm_cad.measurement.schema import CURRENT, NO_PLATE, Column, MotorBlock, ResponseBlock, SensorFigures
 from mbcdm_cad.routes import Floats
 
 # A step of more than this share of the range may be one back as well as one forward, with some room for noise.
@@ -232,7 +232,7 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, so
     if not names and file.content.ratio is not None:
         names, inputs = ("input",), np.zeros((1, rows["time"].size))
     currents = [rows[name] for name in rows if name.startswith(CURRENT)]
-    motor = StatedMotors(**file.content.motor.model_dump()) if currents else None
+    motor = file.content.motor if currents else None
     given, known, load_Nm = file.content.sensors, file.content.load, rows.get("load_torque")
     if known is not None:
         zero = np.zeros_like(rows["output"])
@@ -288,7 +288,7 @@ def _unit(quantity: str, column: Column) -> Unit | None:
     return unit_of(quantity, column.unit, column.counts_per_turn, column.lever_arm_mm, column.radius_mm)
 
 
-def _torque_class(given: SensorFigures, known: bool, motor: StatedMotors | None) -> TorqueClass:
+def _torque_class(given: SensorFigures, known: bool, motor: MotorBlock | None) -> TorqueClass:
     """The class of the torque sensor, of a known load or else of the motors' currents, with usual figures in place of
     those that are not stated."""
     usual = TorqueClass(lag_s=0.0, what=KNOWN_LOAD) if known else TorqueClass()

@@ -11,24 +11,11 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from mbcdm_cad.design.yamltree import FieldPath
-from mbcdm_cad.measurement.schema import MOTION, NO_PLATE, CountedParts, InertiaPlate, Kind
+from mbcdm_cad.measurement.schema import MOTION, NO_PLATE, CountedParts, InertiaPlate, Kind, MotorBlock
 from mbcdm_cad.routes import Complex, Floats
 from mbcdm_cad.storage.compiled import compiled
 
 Level = Literal["refused", "doubt", "fact"]
-
-
-@dataclass(frozen=True)
-class StatedMotors:
-    """Figures of the motors; None where the design's catalogue entries give them. Inertia and friction are at the
-    motor's shaft; ``torque_constant_share`` is the standard deviation of the torque constant as a share."""
-
-    torque_constant_Nm_A: float | None = None
-    torque_constant_share: float = 0.05
-    gear_ratio: float | None = None
-    efficiency: float | None = None
-    rotor_inertia_kg_m2: float | None = None
-    friction_Nm: float = 0.0
 
 
 # What a load comes from that no sensor measured.
@@ -55,6 +42,16 @@ class TorqueClass:
     def of_motors(cls, constant_sigma: float) -> "TorqueClass":
         """Of motors' currents: the torque constant's spread is one of the gain, a zero is the amplifiers' alone."""
         return cls(2.0 * constant_sigma, 0.0, what=MOTORS_CURRENT, zero_share=cls.share, gain_sigma=constant_sigma)
+
+    @property
+    def of_known(self) -> bool:
+        """Whether no sensor measured the load, but it is known."""
+        return self.what == KNOWN_LOAD
+
+    @property
+    def of_currents(self) -> bool:
+        """Whether it is that of the motors' currents."""
+        return self.what == MOTORS_CURRENT
 
     @property
     def zero(self) -> float:
@@ -178,7 +175,7 @@ class Run:
     counted: CountedParts | None = None
     parts: PartsSeen | None = None
     current_A: Floats | None = None
-    motor: StatedMotors | None = None
+    motor: MotorBlock | None = None
     beside: BesideSensor | None = None
     kind: Kind = MOTION
     expected_creep: float = 0.0
@@ -190,6 +187,15 @@ class Run:
     def step_s(self) -> float:
         """Time between samples, s: the median."""
         return float(np.median(np.diff(self.time_s)))
+
+    def quiet(self, values: Floats) -> Floats:
+        """Values (n,) smoothed over the window in which a speed is computed."""
+        return smoothed(values, SPEED_WINDOW_S, self.step_s)
+
+    @cached_property
+    def half_sweep(self) -> NDArray[np.int64]:
+        """Number of the half sweep at each sample, from 0, (n,)."""
+        return half_sweeps(self.quiet(self.output_rad))
 
 
 @dataclass(frozen=True)

@@ -17,18 +17,7 @@ from mbcdm_cad.measurement.file import MeasurementFile
 from mbcdm_cad.measurement.kinds import Declared, kind_of
 from mbcdm_cad.measurement.loads import figures_of, parts_seen, with_motors_load
 from mbcdm_cad.measurement.reading import read_run
-from mbcdm_cad.measurement.run import (
-    SPEED_WINDOW_S,
-    Run,
-    VettingNote,
-    ZerosFound,
-    doubts,
-    fact,
-    gravest_first,
-    half_sweeps,
-    refused,
-    smoothed,
-)
+from mbcdm_cad.measurement.run import Run, VettingNote, ZerosFound, doubts, fact, gravest_first, refused
 from mbcdm_cad.measurement.schema import CREEP
 from mbcdm_cad.measurement.vet_signals import FEWEST_HALF_SWEEPS
 from mbcdm_cad.model.creep import creep_a_decade
@@ -214,8 +203,7 @@ def repeated(vetted: list[Vetted]) -> list[Vetted]:
     """The runs without the doubt of too few half sweeps, where several short runs repeat each other."""
     if not all(kind_of(one.run).moves for one in vetted):
         return vetted
-    outputs = [smoothed(one.run.output_rad, SPEED_WINDOW_S, one.run.step_s) for one in vetted]
-    counts = [int(half_sweeps(output).max()) + 1 for output in outputs]
+    counts = [int(one.run.half_sweep.max()) + 1 for one in vetted]
     if len(vetted) < 2 or sum(counts) - len(counts) < FEWEST_HALF_SWEEPS or min(counts) < 2:
         return vetted
     return [replace(one, findings=tuple(f for f in one.findings if f.kind != "one_sweep")) for one in vetted]

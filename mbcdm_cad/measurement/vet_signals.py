@@ -9,20 +9,7 @@ from scipy.linalg import LinAlgError, eigh
 
 from mbcdm_cad.design.yamltree import FieldPath
 from mbcdm_cad.measurement.loads import LEAST_TOLD
-from mbcdm_cad.measurement.run import (
-    KNOWN_LOAD,
-    MOTORS_CURRENT,
-    SPEED_WINDOW_S,
-    BesideSensor,
-    Run,
-    VettingNote,
-    column_of,
-    doubt,
-    fact,
-    half_sweeps,
-    refused,
-    smoothed,
-)
+from mbcdm_cad.measurement.run import BesideSensor, Run, VettingNote, column_of, doubt, fact, refused
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
@@ -166,8 +153,7 @@ def order_left(angle_rad: Floats, order: float) -> float:
 
 def reach_findings(run: Run, ratio: float, d: DriveSI | None) -> Iterator[VettingNote]:
     """Facts and doubts about the experiment."""
-    output = smoothed(run.output_rad, SPEED_WINDOW_S, run.step_s)
-    sweeps = int(half_sweeps(output).max()) + 1
+    output, sweeps = run.quiet(run.output_rad), int(run.half_sweep.max()) + 1
     travel = float(np.ptp(run.output_rad))
     rate = (run.time_s.size - 1) / float(run.time_s[-1] - run.time_s[0])
     speed = np.gradient(output, run.time_s)
@@ -294,13 +280,13 @@ def friction_words(alike: Sequence[str]) -> str:
 def _source_of_load(run: Run) -> Iterator[VettingNote]:
     """What a load that no sensor measured leaves open."""
     allowed = run.sensors.torque_class
-    if allowed.what == KNOWN_LOAD:
+    if allowed.of_known:
         text = (
             "the load of a weight on an arm is a wave of the output's angle, once a turn: a compliance in series looks "
             "like once_per_rev drum"
         )
         yield fact("weight", text, "judge it together with a run with another weight, or none")
-    elif allowed.what == MOTORS_CURRENT and run.load_Nm is not None:
+    elif allowed.of_currents and run.load_Nm is not None:
         # A second difference of white noise has six times its square.
         noise = float(np.std(np.diff(run.load_Nm, 2))) / np.sqrt(6.0)
         text = (
@@ -541,7 +527,7 @@ def _load_sign(run: Run, ratio: float, d: DriveSI | None) -> VettingNote | None:
     turned = run.input_rad.mean(axis=0) / ratio
     away = run.output_rad - turned
     # A late sensor adds a share of the speed, which may follow the load as closely as the deflection does.
-    speed = smoothed(np.gradient(turned, run.time_s), SPEED_WINDOW_S, float(np.median(np.diff(run.time_s))))
+    speed = run.quiet(np.gradient(turned, run.time_s))
     known = np.stack([np.ones_like(away), run.output_rad, speed], axis=1)
     basis = np.linalg.qr(known)[0]
     give, load = away - basis @ (basis.T @ away), run.load_Nm - basis @ (basis.T @ run.load_Nm)

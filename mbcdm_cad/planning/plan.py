@@ -8,7 +8,8 @@ at their size; all else, the rivals too, is linear in the sizes, so valid for sm
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from contextlib import suppress
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
@@ -48,20 +49,19 @@ LEAST, MOST, FACTOR = 1e-2, 1e8, 3.0
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """How an effect shows: derivatives of the prediction by its sizes (n, k), and by its places over its size (n, p),
-    of which ``place_sd`` are the priors; ``log_prior``: logarithm of the odds against an effect of its kind; ``data``
-    (n,): what it does at size 1, None: at the phase that shows least."""
+    """How an effect shows: derivatives of the prediction by its sizes and then by its places over its size, (n, k + p);
+    ``place_sd`` (p,): priors of the places; ``log_prior``: logarithm of the odds against an effect of its kind;
+    ``data`` (n,): what it does at size 1, None: at the phase that shows least."""
 
     columns: Floats
-    places: Floats
-    place_sd: Floats
+    place_sd: Floats = field(default_factory=lambda: np.zeros(0))
     log_prior: float = 0.0
     data: Floats | None = None
 
     @property
-    def width(self) -> int:
-        """Number of its columns."""
-        return int(self.columns.shape[1] + self.places.shape[1])
+    def sizes(self) -> int:
+        """Number of its sizes."""
+        return int(self.columns.shape[1]) - self.place_sd.size
 
 
 class Foresight:
@@ -73,7 +73,7 @@ class Foresight:
     ) -> None:
         self.white, self.shown, self.names, self.freedom = white, tuple(shown), names, freedom
         self.floor = white.noise.floor_rad if floor is None else floor
-        each = [np.hstack([one.columns, one.places]) for one in self.shown]
+        each = [one.columns for one in self.shown]
         ends = np.cumsum([0, *(one.shape[1] for one in each)])
         self.own = [slice(int(a), int(b)) for a, b in pairwise(ends)]
         given = [one.data for one in self.shown if one.data is not None]
@@ -86,8 +86,8 @@ class Foresight:
             if one.data is not None:
                 data[next(extra), i] = 1.0
                 continue
-            k = one.columns.shape[1]
-            data[own.start : own.start + k, i] = np.linalg.eigh(gram[0][own, own][:k, :k])[1][:, 0]
+            sizes = slice(own.start, own.start + one.sizes)
+            data[sizes, i] = np.linalg.eigh(gram[0][sizes, sizes])[1][:, 0]
         # Of the data with each other's columns and with themselves, under each hypothesis of the unknown (h, ...).
         self.gram, self.on_data = gram, gram @ data
         self.square = np.einsum("mi,hmi->hi", data, self.on_data)
@@ -119,12 +119,10 @@ class Foresight:
         if j is None:
             return self.logs - left, left
         one, own = self.shown[j], self.own[j]
-        k = one.columns.shape[1]
-        scale = np.ones(one.width)
-        scale[k:] = size  # a place moves more data, the larger the effect is
         whole = float(np.hypot(self.white.noise.floor_rad, size * self.does[i]))
-        sd = np.append(whole / np.maximum(self.rms[own][:k], 1e-300), one.place_sd) * scale
-        inner = np.eye(one.width) + self.gram[:, own, own] * np.outer(sd, sd)
+        # A place moves more data, the larger the effect is.
+        sd = np.append(whole / np.maximum(self.rms[own][: one.sizes], 1e-300), one.place_sd * size)
+        inner = np.eye(sd.size) + self.gram[:, own, own] * np.outer(sd, sd)
         root = np.linalg.cholesky(inner)
         across = np.linalg.solve(root, (sd * size * self.on_data[:, own, i])[..., None])[..., 0]
         left = np.maximum(left - 0.5 * np.sum(across**2, axis=1), 0.0)
@@ -138,7 +136,7 @@ class Foresight:
         plain = float(logsumexp([logs for logs, _ in each]) - logsumexp(other[0]))
         least = min(float(left[np.argmax(logs)]) for logs, left in each)
         strength = max(float(other[1][np.argmax(other[0])]) - least, 1e-12)
-        width = self.shown[i].width if its is None else 1
+        width = self.shown[i].columns.shape[1] if its is None else 1
         drawn = 0.5 * float(chndtrix(1.0 - power, width, 2.0 * strength))
         if np.isfinite(self.freedom):  # of a noise of unknown size
             drawn = 0.5 * self.freedom * float(np.log1p(2.0 * drawn / self.freedom))
@@ -271,10 +269,8 @@ def _size_words(one: Foreseen) -> str:
     if one.if_positive is None and one.if_negative is None:
         return _words(one.parameter, one.smallest)
     signed = [("+", one.if_positive), ("-", one.if_negative)]
-    word = _words(one.parameter, one.smallest).rsplit(" ", 2)[0]
-    return f"{word} " + " or ".join(
-        sign + _words(one.parameter, size).removeprefix(f"{word} ") for sign, size in signed if size is not None
-    )
+    shown = [(sign, *readable(one.parameter, [size])) for sign, size in signed if size is not None]
+    return f"{shown[0][1]} " + " or ".join(sign + words[0] for sign, _, words in shown)
 
 
 def _words(parameter: str, size: float | None) -> str:
@@ -286,22 +282,23 @@ def _words(parameter: str, size: float | None) -> str:
 
 def noise_from(drive: Drive, run: Run) -> Noise:
     """The noise of a measured run, for planning other runs."""
-    return PlannedMotion(drive, run).noise if run.kind == MOTION else PlannedReadings(drive, run).noise
+    return _planned(drive, run).noise
 
 
 def plan_of(drive: Drive, run: Run, noise: Noise | None = None, power: float = POWER) -> RunPlan:
     """What a run can find on a drive, with the ``noise`` of a pilot run; named with the probability ``power``."""
-    if run.kind == FREQUENCY_RESPONSE:
-        loop = ResponseLoop(drive, float(np.mean(layout_of(drive).si.total_ratio)), [arranged(run, drive)])
-        return RunPlan(loop.noise, tuple(_of_response(loop, power)), moves=False)
-    if run.kind != MOTION:
-        readings = PlannedReadings(drive, run, noise)
-        return RunPlan(readings.noise, tuple(readings.foreseen(power)), moves=False)
-    planned = PlannedMotion(drive, run, noise)
-    p = planned.fitter.runs[0]
+    planned = _planned(drive, run, noise)
     found = tuple(planned.foreseen(power))
-    alike = tuple(friction_alike(p.speed_rad_s, p.load_Nm))
-    return RunPlan(planned.noise, found, alike, _proposals(run, found))
+    if not isinstance(planned, PlannedMotion):
+        return RunPlan(planned.noise, found, moves=False)
+    p = planned.fitter.runs[0]
+    return RunPlan(planned.noise, found, tuple(friction_alike(p.speed_rad_s, p.load_Nm)), _proposals(run, found))
+
+
+def _planned(drive: Drive, run: Run, noise: Noise | None = None) -> "PlannedMotion | PlannedReadings | PlannedResponse":
+    if run.kind == MOTION:
+        return PlannedMotion(drive, run, noise)
+    return (PlannedResponse if run.kind == FREQUENCY_RESPONSE else PlannedReadings)(drive, run, noise)
 
 
 @dataclass(frozen=True, eq=False)
@@ -316,8 +313,12 @@ class Planned:
     most: float
 
 
+def _first_size(effect: Effect) -> int:
+    return next(k for k, p in enumerate(effect.parameters) if p.role == "size")
+
+
 def _candidate(effect: Effect, label: str) -> Planned:
-    first = next(p for p in effect.parameters if p.role == "size")
+    first = effect.parameters[_first_size(effect)]
     # The amplitude of a wave has the same unit.
     name = first.name.replace("cosine_", "amplitude_")
     return Planned(label, effect.key, name, first.size, min(max(first.high, -first.low), NEVER * first.size))
@@ -396,44 +397,32 @@ class PlannedMotion:
                 places = [guesses[len(guesses) // 2]]
             for place, label in zip(places, labels, strict=True):
                 at = np.where([p.role == "size" for p in effect.parameters], 0.0, place)
-                try:
-                    found.append(
-                        (effect, label, at, self.at(effect, at, {k: p.size for k, p in enumerate(effect.parameters)}))
-                    )
-                except ModelError:
-                    continue
+                with suppress(ModelError):
+                    found.append((effect, label, at, self.at(effect, at, [p.size for p in effect.parameters])))
         return found
 
-    def at(self, effect: Effect, at: Floats, steps: dict[int, float]) -> Shown:
-        """How an effect shows by changes of each of its parameters by ``steps``."""
+    def change(self, effect: Effect, values: Floats) -> Floats:
+        """What an effect with these values does to the rows in use, rad."""
         f, used = self.fitter, self.fitter.used
         base = f.output - self.bare.residual
+        return np.asarray(f.centred(f.predict([effect], [values], self.bare.offsets) - base, used)[used])
 
-        def change(values: Floats) -> Floats:
-            return np.asarray(f.centred(f.predict([effect], [values], self.bare.offsets) - base, used)[used])
-
-        columns, places, spreads, size = [], [], [], 0.0
+    def at(self, effect: Effect, at: Floats, steps: Sequence[float]) -> Shown:
+        """How an effect shows by changes of each of its sizes by ``steps``."""
+        columns, places, spreads, first = [], [], [], _first_size(effect)
         for k, parameter in enumerate(effect.parameters):
             moved = at.copy()
             if parameter.role == "size":
                 moved[k] += steps[k]
-                columns.append(change(moved) / steps[k])
-                size = size or steps[k]
+                columns.append(self.change(effect, moved) / steps[k])
                 continue
-            first = next(i for i, p in enumerate(effect.parameters) if p.role == "size")
             moved[first] += steps[first]
-            before = change(moved)
+            before = self.change(effect, moved)
             step = DIFFERENCE * parameter.size
             moved[k] += step if at[k] + step <= parameter.high else -step
-            places.append((change(moved) - before) / (moved[k] - at[k]) / steps[first])
+            places.append((self.change(effect, moved) - before) / (moved[k] - at[k]) / steps[first])
             spreads.append(spread_of(parameter, at[k]))
-        empty = np.zeros((int(used.sum()), 0))
-        return Shown(
-            np.stack(columns, axis=1),
-            np.stack(places, axis=1) if places else empty,
-            np.array(spreads),
-            LOG_ODDS * effect.last,
-        )
+        return Shown(np.stack([*columns, *places], axis=1), np.array(spreads), LOG_ODDS * effect.last)
 
     def found(self, named: Named) -> Shown | None:
         """How an effect shows that a loop named, at the size that was found; None where the run does not allow it."""
@@ -441,15 +430,13 @@ class PlannedMotion:
         effect = next((one for one in self.library if one.key[:3] == key and one.form == named.form), None)
         if effect is None:
             return None
-        at = np.array([named.fitted[p.name] for p in effect.parameters])
-        f, used = self.fitter, self.fitter.used
-        rows = [
-            f.predict([effect], [at + d], self.bare.offsets)
-            for d in (0.0 * at, -at, *(np.diag([0.1 * p.size for p in effect.parameters])))
-        ]
-        there = np.stack([f.centred(row, used)[used] for row in rows], axis=1)
-        slopes = (there[:, 2:] - there[:, :1]) / [0.1 * p.size for p in effect.parameters]
-        return Shown(slopes, np.zeros((slopes.shape[0], 0)), np.zeros(0), data=there[:, 0] - there[:, 1])
+        at, steps = (
+            np.array([named.fitted[p.name] for p in effect.parameters]),
+            [0.1 * p.size for p in effect.parameters],
+        )
+        data = self.change(effect, at)
+        slopes = [(self.change(effect, at + moved) - data) / moved.max() for moved in np.diag(steps)]
+        return Shown(np.stack(slopes, axis=1), data=data - self.change(effect, 0.0 * at))
 
     def foreseen(self, power: float) -> Iterator[Foreseen]:
         """What the motion can find."""
@@ -462,25 +449,23 @@ class PlannedMotion:
 
     def _sizes(self, effect: Effect, at: Floats, start: float, power: float) -> tuple[float, float]:
         """The positive and the negative size from which an effect is named; equal where the sign makes none."""
-        first = [k for k, p in enumerate(effect.parameters) if p.role == "size"]
+        several = sum(p.role == "size" for p in effect.parameters) > 1
         # A play at an input has no slope: it is taken as it shows at its usual size.
-        if len(first) > 1 or self.fitter.kind(effect) or effect.saturates or not np.isfinite(start):
+        if several or self.fitter.kind(effect) or effect.saturates or not np.isfinite(start):
             return start, start
         positive = self._bent(effect, at, 1.0, start, power)
-        return positive, self._bent(effect, at, -1.0, start, power) if effect.parameters[
-            first[0]
-        ].low < 0.0 else positive
+        signed = effect.parameters[_first_size(effect)].low < 0.0
+        return positive, self._bent(effect, at, -1.0, start, power) if signed else positive
 
     def _bent(self, effect: Effect, at: Floats, sign: float, start: float, power: float) -> float:
         """Size of one sign of an effect that strains the cables, taken as it shows at that size: a low preload shows
         more than a high one. Infinite if no part can have it."""
-        k = next(k for k, p in enumerate(effect.parameters) if p.role == "size")
-        parameter = effect.parameters[k]
+        parameter = effect.parameters[_first_size(effect)]
         most = min(parameter.high if sign > 0.0 else -parameter.low, NEVER * parameter.size)
         size = min(start, most)
         for _ in range(ROUNDS):
             try:
-                shown = self.at(effect, at, {k: sign * size})
+                shown = self.at(effect, at, [sign * size] * len(effect.parameters))
             except ModelError:  # a cable is slack: far more than has to be shown
                 most = size = 0.7 * size
                 continue
@@ -513,23 +498,29 @@ class PlannedReadings:
     def foreseen(self, power: float) -> Iterator[Foreseen]:
         """What the readings can find."""
         few, told = self.few, {}
-        slopes = (
-            {} if few.loses_track else {e: s for e, s in few.slopes.items() if e.name != PLAY or not few.hides_play}
-        )
-        n = int(few.used.sum())
-        if slopes:
-            shown = [Shown(*s) for s in slopes.values()]
-            foresight = Foresight(few.white, shown, few.names, freedom=n - len(few.prepared) - 1 + FREEDOM)
-            each = _foreseen(foresight, [_candidate(e, e.label) for e in slopes], power)
+        hidden = [e for e in few.slopes if few.loses_track or (few.hides_play and e.name == PLAY)]
+        if slopes := {e: one for e, one in few.slopes.items() if e not in hidden}:
+            shown = [Shown(np.hstack([sizes, places]), sd) for sizes, places, sd in slopes.values()]
+            freedom = int(few.used.sum()) - len(few.prepared) - 1 + FREEDOM
+            each = _foreseen(
+                Foresight(few.white, shown, few.names, freedom), [_candidate(e, e.label) for e in slopes], power
+            )
             told = dict(zip(slopes, each, strict=True))
         for e in few.offered:
             yield told.get(e) or Foreseen(e.label, _candidate(e, e.label).parameter, None, ())
 
 
-def _of_response(loop: ResponseLoop, power: float) -> Iterator[Foreseen]:
-    """What a chirp can find, by the response of a run that was made or simulated."""
-    white, slopes = loop.planned()
-    shown = [Shown(row[:, None], np.zeros((row.size, 0)), np.zeros(0)) for row in slopes.values()]
-    sizes = {one: one.shapes[one.parameter][0] for one in slopes}
-    each = [Planned(one.label, one.key, one.figure, size, NEVER * size) for one, size in sizes.items()]
-    return _foreseen(Foresight(white, shown, loop.names, floor=1.0), each, power)
+class PlannedResponse:
+    """What a chirp can find, by the response of a run that was made or simulated, with its own noise."""
+
+    def __init__(self, drive: Drive, run: Run, _: Noise | None = None) -> None:
+        self.loop = ResponseLoop(drive, float(np.mean(layout_of(drive).si.total_ratio)), [arranged(run, drive)])
+        self.noise = self.loop.noise
+
+    def foreseen(self, power: float) -> Iterator[Foreseen]:
+        """What the chirp can find."""
+        white, slopes = self.loop.planned()
+        shown = [Shown(row[:, None]) for row in slopes.values()]
+        sizes = {one: one.shapes[one.parameter][0] for one in slopes}
+        each = [Planned(one.label, one.key, one.figure, size, NEVER * size) for one, size in sizes.items()]
+        return _foreseen(Foresight(white, shown, self.loop.names, floor=1.0), each, power)

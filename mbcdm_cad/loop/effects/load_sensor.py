@@ -13,7 +13,7 @@ import numpy as np
 from mbcdm_cad.loop.effect import Effect, Figure, Parameter, length
 from mbcdm_cad.loop.prepare.prepared import played
 from mbcdm_cad.loop.prepare.setup import DriveSI, Floats, Prepared, Setup, Simulator
-from mbcdm_cad.measurement.run import KNOWN_LOAD, MOTORS_CURRENT, TorqueClass
+from mbcdm_cad.measurement.run import TorqueClass
 from mbcdm_cad.measurement.schema import MOTION
 
 SENSOR = "an error of the torque sensor"
@@ -219,13 +219,13 @@ def offer(d: DriveSI | None, p: Prepared) -> Iterator[Effect]:
 
     A weight on an arm has none of them.
     """
-    if p.load_Nm is None or not np.ptp(p.load_Nm) or p.run.sensors.torque_class.what == KNOWN_LOAD:
+    if p.load_Nm is None or not np.ptp(p.load_Nm) or p.run.sensors.torque_class.of_known:
         return
     most = float(np.abs(p.load_Nm).max())
     yield zero(MOST_ZERO * most)
     if p.run.kind == MOTION:
         yield from lag(MOST_LAG_S)
-    if p.run.kind == MOTION and p.run.sensors.torque_class.what != MOTORS_CURRENT:
+    if p.run.kind == MOTION and not p.run.sensors.torque_class.of_currents:
         yield hysteresis(MOST_WIDTH * most)
         if d is not None:
             yield crosstalk(MOST_WAVE * most)

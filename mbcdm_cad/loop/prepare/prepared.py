@@ -15,9 +15,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.loop.prepare.quiet import input_step_rad, noise_of_signal, quiet_load, slow_difference, speed_window
-from mbcdm_cad.loop.prepare.samples import Cut, held_sweeps, held_words, search_cut, whole_cut
-from mbcdm_cad.measurement.run import MOTORS_CURRENT, SPEED_WINDOW_S, Run, half_sweeps, smoothed, smoothed_at
+from mbcdm_cad.loop.prepare import samples
+from mbcdm_cad.measurement.run import Run, smoothed, smoothed_at
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
 
@@ -128,7 +127,7 @@ class Prepared:
     held_words: str
     few: bool
     run: Run
-    cut: Cut
+    cut: samples.Cut
     windows: Windows
     cycles_a_turn: float = 0.0
     built_up_rad: float = 0.0
@@ -216,7 +215,7 @@ class Prepared:
         least = BENT_STEP * self.input_step_rad / math.sqrt(12.0) if long else 0.0
         found = [(row, max(BENT_SHARE * float(np.ptp(row)), least)) for row in self.apart_rad]
         if self.load_Nm is not None:
-            noise = 0.0 if self.run.load_Nm is None else noise_of_signal(self.run.load_Nm)
+            noise = 0.0 if self.run.load_Nm is None else samples.noise_of_signal(self.run.load_Nm)
             found.append((self.load_Nm, max(BENT_SHARE * float(np.ptp(self.load_Nm)), BENT_NOISE * noise)))
         return found
 
@@ -249,8 +248,8 @@ class Prepared:
         """The same samples with the smoothed difference of the inputs and load of ``run``, logged at the same times;
         ``factor`` scales the noise that the smoothing assumes."""
         at = self.cut.index
-        load = None if run.load_Nm is None else quiet_load(run, factor)[0][at]
-        return replace(self, apart_rad=slow_difference(run, factor)[0][:, at], load_Nm=load)
+        load = None if run.load_Nm is None else samples.quiet_load(run, factor)[0][at]
+        return replace(self, apart_rad=samples.slow_difference(run, factor)[0][:, at], load_Nm=load)
 
 
 def _until_straight(at: NDArray[np.int64], values: Floats, most: float) -> NDArray[np.int64]:
@@ -267,7 +266,7 @@ def _until_straight(at: NDArray[np.int64], values: Floats, most: float) -> NDArr
 def prepare_all(runs: Sequence[Run], ratio: float) -> list[tuple[Prepared, Prepared]]:
     """Every run, as :func:`prepare` makes it. Short runs repeat each other: together they may have enough half
     sweeps."""
-    counts = [int(half_sweeps(smoothed(run.output_rad, SPEED_WINDOW_S, run.step_s)).max()) for run in runs]
+    counts = [int(run.half_sweep.max()) for run in runs]
     together = sum(counts) > FEWEST_SWEEPS and min(counts) > 1
     return [prepare(run, ratio, number if together else None, len(runs)) for number, run in enumerate(runs)]
 
@@ -282,14 +281,14 @@ def prepare(run: Run, ratio: float, one_of_several: int | None = None, runs: int
     """
     step, time, output = run.step_s, run.time_s, run.output_rad
     shaft = smoothed_at(run.input_rad, time, COMMON_WINDOW_S, step)
-    speed_s, speed_noise = speed_window(run, ratio)
+    speed_s, speed_noise = samples.speed_window(run, ratio)
     quiet = smoothed(run.input_rad.mean(axis=0) / ratio, speed_s, step)
     speed = smoothed(np.gradient(quiet, smoothed(time, speed_s, step)), speed_s, step)
-    apart, apart_s = slow_difference(run)
-    load, load_s = (None, 0.0) if run.load_Nm is None else quiet_load(run)
+    apart, apart_s = samples.slow_difference(run)
+    load, load_s = (None, 0.0) if run.load_Nm is None else samples.quiet_load(run)
     windows = Windows(apart_s, load_s, speed_s)
     temperature = None if run.temperature_C is None else smoothed(run.temperature_C, TEMPERATURE_WINDOW_S, step)
-    sweep = half_sweeps(smoothed(output, SPEED_WINDOW_S, step)) - 1
+    sweep = run.half_sweep - 1
     short = bool(sweep.max() < FEWEST_SWEEPS)
     few = short and one_of_several is None
     if few:
@@ -297,22 +296,22 @@ def prepare(run: Run, ratio: float, one_of_several: int | None = None, runs: int
         sweep = np.minimum((time - time[0]) / (time[-1] - time[0]) * 8.0, 7.0).astype(np.int64)
     low, span = float(output.min()), float(np.ptp(output))
     sector = np.minimum((output - low) / span * SECTORS, SECTORS - 1).astype(np.int64)
-    searched = search_cut(sweep, load, runs)
+    searched = samples.search_cut(sweep, load, runs)
     held = _held(sweep, output, load, searched)
     if short and one_of_several is not None:
         held = np.array([one_of_several // 2 % (int(sweep.max()) + 1)] if one_of_several % 2 == 0 else [], dtype=int)
-    words = held_words(held, sweep, load, few)
-    floor, input_step = sensor_floor_rad(run, ratio), input_step_rad(run)
+    words = samples.held_words(held, sweep, load, few)
+    floor, input_step = sensor_floor_rad(run, ratio), samples.input_step_rad(run)
     blind = np.zeros(time.size, dtype=np.bool_)
     if load is None and run.ratio is None:
         flips = time[1:][np.diff(sweep) != 0]
         blind = np.searchsorted(flips, time + FLIP_S) > np.searchsorted(flips, time - FLIP_S)
         if blind.mean() > MOST_BLIND:
             blind[:] = False
-    elif run.sensors.torque_class.what == MOTORS_CURRENT:
+    elif run.sensors.torque_class.of_currents:
         blind = np.abs(speed) < HIDDEN_SHARE * float(np.sqrt(np.mean(speed**2)))
 
-    def taken(cut: Cut) -> Prepared:
+    def taken(cut: samples.Cut) -> Prepared:
         at = cut.index
         here = sweep[at]
         used = (here >= 0) & ~cut.unknown & ~blind[at]
@@ -340,7 +339,7 @@ def prepare(run: Run, ratio: float, one_of_several: int | None = None, runs: int
             windows,
         )
 
-    whole = taken(whole_cut(sweep, load, step))
+    whole = taken(samples.whole_cut(sweep, load, step))
     return (whole if searched is None else taken(searched)), whole
 
 
@@ -352,16 +351,17 @@ def held_out(runs: Sequence[Prepared]) -> str:
 
 
 def _held(
-    sweep: NDArray[np.int64], output_rad: Floats, load_Nm: Floats | None, searched: Cut | None
+    sweep: NDArray[np.int64], output_rad: Floats, load_Nm: Floats | None, searched: samples.Cut | None
 ) -> NDArray[np.int64]:
     """Numbers of the half sweeps held back. The search judges an effect on its own half sweeps alone, so these and the
     others each have their share."""
     if searched is None:
-        return held_sweeps(sweep, output_rad, load_Nm)
+        return samples.held_sweeps(sweep, output_rad, load_Nm)
     inside = searched.index[~searched.unknown]
     outside = np.flatnonzero(~np.isin(sweep, sweep[inside]))
     found = [
-        held_sweeps(sweep[at], output_rad[at], None if load_Nm is None else load_Nm[at]) for at in (inside, outside)
+        samples.held_sweeps(sweep[at], output_rad[at], None if load_Nm is None else load_Nm[at])
+        for at in (inside, outside)
     ]
     return np.union1d(*found)
 

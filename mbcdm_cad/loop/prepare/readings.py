@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.loop.prepare.prepared import Prepared, Windows, sensor_floor_rad
-from mbcdm_cad.loop.prepare.quiet import input_step_rad
-from mbcdm_cad.loop.prepare.samples import Cut, held_sweeps
+from mbcdm_cad.loop.prepare.samples import Cut, held_sweeps, input_step_rad
 from mbcdm_cad.measurement.by_hand import loadings, path_of, since_loading, written_step
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.routes import Floats

@@ -113,7 +113,7 @@ class FewReadings(Runs):
         before, after = (self.beside_nuisances(f.fit(one.effects, one.values)) for one in (self.bare, fit))
         untested = untold or not f.test.any()
         return LoopResult(
-            "few_readings.not_testable" if untested else verdict_of([*named, *sets], left),
+            "not_testable" if untested else verdict_of([*named, *sets], left),
             tuple(named),
             tuple(sets),
             left,

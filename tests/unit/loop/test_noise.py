@@ -16,7 +16,7 @@ from mbcdm_cad.loop.effects import library
 from mbcdm_cad.loop.judge import LoopReport, judge
 from mbcdm_cad.loop.page import finding
 from mbcdm_cad.loop.prepare.prepared import Prepared, prepare
-from mbcdm_cad.loop.prepare.quiet import locally_fitted, quiet_load, slow_difference, told_from_noise
+from mbcdm_cad.loop.prepare.samples import locally_fitted, quiet_load, slow_difference, told_from_noise
 from mbcdm_cad.loop.result import Noise, doubt_of
 from mbcdm_cad.loop.search.by_evidence import Search
 from mbcdm_cad.loop.search.evidence import NoiseModel

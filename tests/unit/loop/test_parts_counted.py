@@ -18,8 +18,7 @@ from mbcdm_cad.loop.effects import known_effects
 from mbcdm_cad.loop.effects.load_sensor import within_prior
 from mbcdm_cad.loop.effects.stiffness_error import offer
 from mbcdm_cad.loop.prepare.prepared import Prepared, prepare
-from mbcdm_cad.loop.prepare.quiet import told_from_noise
-from mbcdm_cad.loop.prepare.samples import SEARCH_SAMPLES, Cut, search_cut, whole_cut
+from mbcdm_cad.loop.prepare.samples import SEARCH_SAMPLES, Cut, search_cut, told_from_noise, whole_cut
 from mbcdm_cad.loop.prepare.setup import Simulator, declared
 from mbcdm_cad.loop.readable import Value
 from mbcdm_cad.loop.result import Errors, LoopResult, Named

@@ -19,8 +19,8 @@ from mbcdm_cad.measurement.file import load_file
 from mbcdm_cad.measurement.reading import load_measurement, read_run
 from mbcdm_cad.measurement.reference import measurement_page
 from mbcdm_cad.measurement.roles import Expected
-from mbcdm_cad.measurement.run import KNOWN_LOAD, MOTORS_CURRENT, Run, Sensors, StatedMotors, TorqueClass
-from mbcdm_cad.measurement.schema import Pendulum
+from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, Sensors, TorqueClass
+from mbcdm_cad.measurement.schema import MotorBlock, Pendulum
 from mbcdm_cad.measurement.vet import arranged, refusals, vet, vetted_runs
 from mbcdm_cad.measurement.vet_signals import reach_findings
 from mbcdm_cad.model.hysteresis import simulate
@@ -180,7 +180,7 @@ def test_too_many_broken_rows_are_told_with_what_the_first_holds(tmp_path: Path)
 
 T = np.arange(0.0, 20.0, 0.005)
 TURNS = np.array([9.0])
-FIGURES = StatedMotors(0.02, 0.05, 50.0, 0.8, 2e-7, 1e-4)
+MOTOR = MotorBlock(torque_constant_Nm_A=0.02, gear_ratio=50, efficiency=0.8, rotor_inertia_kg_m2=2e-7, friction_Nm=1e-4)
 
 
 def current(load: np.ndarray, speed: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
@@ -198,7 +198,7 @@ def test_the_load_comes_back_from_the_current(frequency_Hz: float) -> None:
     angle = 2.0 * np.sin(w * t) / max(1.0, frequency_Hz)
     speed, acceleration = np.gradient(angle, t), -(w**2) * angle
     load = 0.8 * np.sin(0.37 * w * t) + 0.1
-    found = loads.motors_load_Nm(FIGURES, current(load, speed, acceleration)[None], angle[None], t, TURNS)
+    found = loads.motors_load_Nm(MOTOR, current(load, speed, acceleration)[None], angle[None], t, TURNS)
     moving = np.abs(speed) > 0.2 * np.std(speed)
     inner = slice(t.size // 20, -t.size // 20)
     assert np.abs(found - load)[inner][moving[inner]].max() < 0.02, np.abs(found - load)[inner][moving[inner]].max()
@@ -211,12 +211,12 @@ def test_a_servo_that_hunts_at_the_turns_makes_no_extreme_of_the_load() -> None:
     angle = 1.8 * np.sin(2.0 * np.pi * T / 12.0) + 0.01 * sum(np.sin(2.0 * np.pi * f * T + f) for f in lines)
     speed, load = np.gradient(angle, T), 1.2 * np.sin(2.0 * np.pi * T / 8.7)
     amperes = current(load, speed, np.gradient(speed, T))
-    found = loads.motors_load_Nm(FIGURES, amperes[None], angle[None], T, TURNS)
+    found = loads.motors_load_Nm(MOTOR, amperes[None], angle[None], T, TURNS)
     assert np.abs(found).max() < 1.1 * np.abs(load).max(), np.abs(found).max()
 
 
 def test_what_is_not_given_is_that_of_the_catalogue() -> None:
-    found = loads.figures_of(StatedMotors(torque_constant_Nm_A=0.01), DRIVE)
+    found = loads.figures_of(MotorBlock(torque_constant_Nm_A=0.01), DRIVE)
     assert (found.gear_ratio, found.efficiency) == (DRIVE.gearhead.ratio, DRIVE.gearhead.efficiency)
     assert found.rotor_inertia_kg_m2 == pytest.approx(1e-7 * DRIVE.motor.rotor_inertia_g_cm2)
     assert found.torque_constant_Nm_A == 0.01
@@ -267,10 +267,10 @@ def test_a_weight_on_an_arm_gives_the_torque_constant(wrong: float) -> None:
     amperes = current(weight + 0.1 * np.sign(speed) + 0.05, speed, acceleration)
     noisy = amperes + 2e-4 * np.random.default_rng(1).normal(size=T.size)
     known = Sensors(torque_class=TorqueClass(0.01, 0.0, what=KNOWN_LOAD))
-    stated = replace(FIGURES, torque_constant_Nm_A=FIGURES.torque_constant_Nm_A * (1.0 + wrong))
+    stated = MOTOR.model_copy(update={"torque_constant_Nm_A": MOTOR.torque_constant_Nm_A * (1.0 + wrong)})
     run = Run(T, 9.0 * angle[None], angle, weight, sensors=known, current_A=noisy[None], motor=stated)
     found = loads.with_motors_load(run, None, TURNS)
-    assert found.load_Nm is not None and (found.sensors.torque_class.what == MOTORS_CURRENT)
+    assert found.load_Nm is not None and found.sensors.torque_class.of_currents
     moving = np.abs(speed) > 0.3 * np.std(speed)
     factor, _ = np.polyfit(weight[moving] + 0.1 * np.sign(speed[moving]), found.load_Nm[moving], 1)
     assert factor == pytest.approx(1.0, abs=0.005), factor
@@ -302,7 +302,7 @@ def test_currents_beside_a_torque_sensor_tell_losses_from_its_gain(
         measured,
         sensors=Sensors(torque_class=TorqueClass(share)),
         current_A=(amperes + 1e-3 * rng.normal(size=T.size))[None],
-        motor=replace(FIGURES, torque_constant_share=constant),
+        motor=MOTOR.model_copy(update={"torque_constant_share": constant}),
     )
     found = loads.with_motors_load(run, None, TURNS)
     beside = found.beside
