@@ -29,7 +29,7 @@ from benchmarks.study import add_workers, run_many
 from mbcdm_cad.checks.size import estimated_mass_g
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.miso_bevel.checks import room as miso_bevel_room
+from mbcdm_cad.layouts.miso_bevel import checks as miso_bevel_checks
 from mbcdm_cad.layouts.miso_spur import checks as round_checks
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.layouts.siso_bevel import checks as bevel_checks
@@ -51,7 +51,7 @@ MASS_SHARE = 0.03
 SPACES = {**LAYOUTS, USUAL.configuration: USUAL}
 # What foresees box and volumes before anything is drawn.
 BOXES: dict[str, Any] = {
-    "miso_bevel": miso_bevel_room.box_mm,
+    "miso_bevel": miso_bevel_checks.box_mm,
     "siso_spur": frame.box_mm,
     "miso_spur": round_checks.box_mm,
     "siso_bevel": bevel_checks.box_mm,

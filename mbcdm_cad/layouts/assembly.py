@@ -8,7 +8,7 @@ error, so that a part that is renamed is renamed here too.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -58,13 +58,13 @@ def _render(package: str) -> Callable[..., str]:
     environment = jinja2.Environment(
         loader=jinja2.ChoiceLoader(loaders), undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    environment.filters |= {"g": "{:g}".format, "each": _each, "cable_item": cable_item, "train": train_words}
+    environment.filters |= {
+        "g": "{:g}".format,
+        "each": lambda values, words, between=", ": between.join(words.format(value) for value in values),
+        "cable_item": cable_item,
+        "train": train_words,
+    }
     return environment.get_template("assembly.md.j2").render
-
-
-def _each(values: Iterable[Any], words: str, between: str = ", ") -> str:
-    """The values in words, each in place of ``{0}``."""
-    return between.join(words.format(value) for value in values)
 
 
 def _step(part: str, inputs: tuple[str, ...], names: tuple[str, ...]) -> AssemblyStep:

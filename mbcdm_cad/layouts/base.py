@@ -136,7 +136,7 @@ class Layout(ABC):
     """One design of one kind of drive. A layout is a subclass in a package of its own, ``LAYOUT`` of its ``layout.py``.
 
     What is long has a module of its own beside that file, found by its name: ``design_file`` (``DESIGN_FILE``),
-    ``routes`` (``routed``), ``bill`` (``bill``, ``steps_of`` with ``assembly.md.j2``),
+    ``cable_path`` (``routed``), ``bill`` (``bill``, ``steps_of`` with ``assembly.md.j2``),
     ``path_figures`` (``path_figures``, ``path_lines``, ``plan`` of the preloads), ``checks`` (``FAMILIES``,
     ``stacks``), ``support.stiffness`` (``frame_study``), and ``paths.md.j2``. A small layout overrides the methods
     below instead.
@@ -216,7 +216,7 @@ class Layout(ABC):
 
     def routes_in(self, unit: float) -> RoutedDrive:
         """The same in another unit of length, given what a mm is in it."""
-        found: RoutedDrive = self.module("routes").routed(self.drive, unit)
+        found: RoutedDrive = self.module("cable_path").routed(self.drive, unit)
         return found
 
     @property

@@ -18,12 +18,6 @@ _RING = "ring"
 JOURNAL_MM = 4.0
 
 
-def _bores(given: TrialKnown) -> set[float]:
-    """Bores of the encoders that sit on the end of a shaft; of the stated one."""
-    stated, entries = given.get(at.drive.encoder), given.entries("encoders")
-    return {entries[name]["bore_mm"] for name in ([stated] if stated in entries else entries) if _RING not in name}
-
-
 def by_mass(
     given: TrialKnown, kind: str, wanted: Callable[[str, dict[str, Any]], bool] = lambda name, entry: True
 ) -> list[str]:
@@ -45,18 +39,13 @@ def _beside(given: TrialKnown, bearing: dict[str, Any], kind: str = _RING) -> li
     return [name for name in names if given.get(at.drive.drum_encoder) in (None, name)]
 
 
-def _left_out(given: TrialKnown, field: str) -> bool:
-    """Whether the file asks for no encoder there."""
-    return bool(given.get(field) == NO_ENCODER)
-
-
 @rule(
     at.drum.bearing,
     "the lightest with a ring encoder that carries the drum and has a strong enough shaft",
     "drum_bearings",
 )
 def drum_bearing(given: TrialKnown) -> Found:
-    any_will_do = _left_out(given, at.drive.drum_encoder)
+    any_will_do = given.get(at.drive.drum_encoder) == NO_ENCODER
     field, refused, before = at.drum.bearing, given.drives.refused, given.guesses.get(at.drum.bearing)
     # A lighter bearing is narrower and so nearer to the other one: tried at the distance of a wider pair it seems to
     # carry the drum, and would be chosen and refused in turn.
@@ -113,8 +102,10 @@ def lower(given: TrialKnown) -> Found:
 def upper(given: TrialKnown) -> Found:
     if given.overhung:
         return Found(NO_BEARING, UNUSED)
-    bores, any_will_do = _bores(given), _left_out(given, at.drive.encoder)
-    names = by_mass(given, "bearings", lambda _, entry: any_will_do or entry["bore_mm"] in bores)
+    # Bores of the encoders that sit on the end of a shaft; of the stated one.
+    stated, entries = given.get(at.drive.encoder), given.entries("encoders")
+    bores = {entries[n]["bore_mm"] for n in ([stated] if stated in entries else entries) if _RING not in n}
+    names = by_mass(given, "bearings", lambda _, entry: stated == NO_ENCODER or entry["bore_mm"] in bores)
     return given.first(at.input_pulleys.upper_bearing, names, ("input_bearings",))
 
 

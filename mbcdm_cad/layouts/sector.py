@@ -12,14 +12,14 @@ import numpy as np
 
 from mbcdm_cad.layouts.base import Layout, dimensions
 from mbcdm_cad.model.losses import BearingPair, body_bearings
-from mbcdm_cad.parts.coupling import CollarDims, StageDims, collar_width_mm
+from mbcdm_cad.parts.coupling import CollarDims, StageDims, collar, collar_width_mm
 from mbcdm_cad.parts.drum_sector.design import InputLevels, SectorDrive, SectorRun
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
-from mbcdm_cad.parts.drum_sector.sizes import drum_shaft, preload_spring
+from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, drum_shaft, furthest_anchor_rad, preload_spring
 from mbcdm_cad.parts.fits import MOUNT_SCREWS, MountScrew, MountThread
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM, GROOVE_RADIUS, JOURNAL_SLIT_MM, InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import DOWEL_MM, HeadDims, dowel_length_mm, flange_screw
-from mbcdm_cad.parts.terminal import Tensioner
+from mbcdm_cad.parts.terminal import Tensioner, terminal_travel_mm
 from mbcdm_cad.parts.turned import DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.curves import CablePath, CableWraps, over_travel
@@ -28,7 +28,6 @@ from mbcdm_cad.routes.route import input_body
 if TYPE_CHECKING:
     from mbcdm_cad.design.bought import Material
     from mbcdm_cad.model.si import DriveSI
-    from mbcdm_cad.model.structure.causes import Cause
 
 
 # Thread of the encoder's screws in its housing, in diameters.
@@ -133,10 +132,24 @@ class SectorLayout(Layout):
     def levels(self) -> InputLevels:
         """Heights and depths."""
 
+    @cached_property
+    def terminal_way(self) -> TerminalWay:
+        """Take-up of all terminals, and the part of it that each uses, mm, for cables anchored as far out as possible.
+
+        Raises ValueError where a cable has no way.
+        """
+        longest, furthest = self.module("cable_path").longest_mm, furthest_anchor_rad(self.drive)
+        return terminal_travel_mm(self.drive, {c.name: longest(self.drive, c, furthest) for c in self.drive.cables})
+
     @property
-    @abstractmethod
+    def stop_pin_z(self) -> float:
+        """Height of the stop pin over the drum's axis."""
+        return float(self.frame.stop_pin_z)
+
+    @dimensions
     def drum(self) -> DrumDims:
         """Drum sector."""
+        return drum(self.drive, self.levels, self.stop_pin_z, self.terminal_way)
 
     @dimensions
     def drum_shaft(self) -> DrumShaftDims:
@@ -153,10 +166,10 @@ class SectorLayout(Layout):
     def inputs(self) -> tuple[InputPulleyDims, ...]:
         """The input pulleys, in the order of the design's inputs."""
 
-    @property
-    @abstractmethod
+    @dimensions
     def collar(self) -> CollarDims:
         """Clamp collar of each input pulley."""
+        return collar(self.drive, self.input_levels.motor_shelf_top_z)
 
     @property
     def stage(self) -> StageDims | None:
@@ -258,10 +271,6 @@ class SectorLayout(Layout):
         """Wrap on the drum, rad, at the end of travel at which most of it is unwound."""
         return self.anchor_rad(cable) - self.half_travel_rad
 
-    def passed_structure(self, unit_tension_N: Floats) -> Iterable[Cause]:
-        """Causes of the structure's turn on the bodies that cables pass, for the tensions of 1 N m on the drum."""
-        return ()
-
     def bends_mm(self) -> Sequence[tuple[str, str, float]]:
         """See the base class: each body of a cable's route."""
         found = self.routes_in(1.0).routes
@@ -283,12 +292,7 @@ class SectorLayout(Layout):
             lower, upper = (z * self.levels_sense for z in self.input_bearings_mm(i))
             yield body_bearings(d, body, "input pulleys' bearings", ends, (lower, upper), input_index=i)
         yield body_bearings(d, routes.drum, "drum's bearings", both, self.drum_bearings_mm, self.preload_spring.force_N)
-        yield from self.passed_bearings(d)
         yield from (pair for each in self.attachments for pair in each.bearings(d))
-
-    def passed_bearings(self, d: DriveSI) -> Iterable[BearingPair]:
-        """Bearings of the bodies that cables pass."""
-        return ()
 
     @cached_property
     def extreme_paths(self) -> tuple[tuple[float, tuple[CablePath, ...]], ...]:

@@ -105,7 +105,6 @@ def structure_with(layout: SectorLayout, drum: DrumStructure) -> Structure:
         *_gearheads(layout, torques),
         *_stage(layout, torques),
         *(_overhung if layout.drive.overhung else _inputs)(layout, unit, torques),
-        *layout.passed_structure(unit),
         *(cause for each in layout.attachments for cause in each.structure(unit)),
         *drum.causes,
         *_drum_shaft(layout, unit),

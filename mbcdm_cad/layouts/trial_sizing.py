@@ -294,7 +294,9 @@ class TrialKnown(RopeKnown):
             if _worst_margin((value, margins)) >= 0.0:
                 return Found(value, self._driver(field, missed[-1], checks) if missed else "", "first that does")
             missed.append(value)
-            if len(missed) == _MOST_IDLE and not any(self._has_figure(field, each, checks) for each in missed):
+            if len(missed) == _MOST_IDLE and not any(
+                self.margins(field, each, (name,))[name][0] > -inf for each in missed for name in checks
+            ):
                 break  # no candidate gives a figure for any check: another field is missing
         if not missed:
             raise ValueError("the catalogue has no entry that fits")
@@ -311,10 +313,6 @@ class TrialKnown(RopeKnown):
         """The check that ``value`` misses most."""
         margins = self.margins(field, value, checks)
         return min(margins, key=lambda name: margins[name][0])
-
-    def _has_figure(self, field: str, value: Any, checks: Iterable[str]) -> bool:
-        """Whether any of the checks has a figure with ``field`` at ``value``."""
-        return any(self.margins(field, value, (name,))[name][0] > -inf for name in checks)
 
 
 def _within_reach(checks: Iterable[str], tried: Sequence[Trial]) -> tuple[str, ...]:
@@ -399,17 +397,13 @@ def repeated(
                 drives.held[field] = max(now, guesses[field])
         before = guesses
         guesses = {**guesses, **found}
-        if passed >= _MOST_PASSES and not _weak_bearing(given, found):
+        if passed < _MOST_PASSES:
+            continue
+        # A drum's bearing that a rule chose and that does not carry the drive of its pass is refused by the next one.
+        chosen, load = found.get(at.drum.bearing), "drum_bearings"
+        if chosen is None or not -inf < given.margins(at.drum.bearing, chosen, (load,))[load][0] < 0.0:
             break
     return replace(sizing, ends=drives.ends, refused=frozenset(drives.refused), held=drives.held)
-
-
-def _weak_bearing(given: TrialKnown, found: Mapping[str, Any]) -> bool:
-    """Whether a drum's bearing that a rule chose does not carry the drive of its pass: the next pass refuses it."""
-    name = found.get(at.drum.bearing)
-    return (
-        name is not None and -inf < given.margins(at.drum.bearing, name, ("drum_bearings",))["drum_bearings"][0] < 0.0
-    )
 
 
 def whole_turns(angle_deg: float) -> int:

@@ -8,7 +8,7 @@ A cable's path joins them to its true centre line at one drum angle; it is drawn
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cached_property
 from math import ceil, dist, hypot
 from typing import Any
 
@@ -172,12 +172,10 @@ class Coil:
         return np.asarray(t / np.linalg.norm(t))
 
 
-@cache
-def _gauss() -> tuple[tuple[float, float], ...]:
-    """(Node on 0..1, weight; their sum is 2) of a quadrature that is exact here to rounding."""
-    return tuple(
-        ((sign * x + 1.0) / 2.0, w) for sign in (-1.0, 1.0) for x, w in zip(_GAUSS_NODES, _GAUSS_WEIGHTS, strict=True)
-    )
+# (Node on 0..1, weight; their sum is 2) of a quadrature that is exact here to rounding.
+_GAUSS = tuple(
+    ((sign * x + 1.0) / 2.0, w) for sign in (-1.0, 1.0) for x, w in zip(_GAUSS_NODES, _GAUSS_WEIGHTS, strict=True)
+)
 
 
 @dataclass(frozen=True)
@@ -194,7 +192,7 @@ class Parabola:
         (x0, y0, z0), (x1, y1, z1), (x2, y2, z2) = self.start, self.middle, self.end
         a, b, c = x1 - x0, y1 - y0, z1 - z0
         p, q, r = x2 - x1 - a, y2 - y1 - b, z2 - z1 - c
-        return sum(w * hypot(a + f * p, b + f * q, c + f * r) for f, w in _gauss())
+        return sum(w * hypot(a + f * p, b + f * q, c + f * r) for f, w in _GAUSS)
 
     def points(self, fraction: Vector) -> Vector:
         """Points, shape (n, 3), at ``fraction`` (n,) of the piece."""

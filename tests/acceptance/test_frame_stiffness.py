@@ -15,7 +15,7 @@ from mbcdm_cad.checks.size import estimated_mass_g
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import layout_of, load_design, load_text, new_design_text
 from mbcdm_cad.layouts.miso_bevel.bill import bill
-from mbcdm_cad.layouts.miso_bevel.checks.room import box_mm
+from mbcdm_cad.layouts.miso_bevel.checks import box_mm
 from mbcdm_cad.layouts.miso_bevel.drive import bevel
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.support.stiffness import frame_compliance, seat_loads

@@ -17,7 +17,7 @@ import scipy.sparse.linalg as spla
 from numpy.typing import NDArray
 
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.support.dims import FrameDims, TopPlateDims
+from mbcdm_cad.layouts.miso_bevel.support import FrameDims, TopPlateDims
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -12,10 +12,9 @@ from mbcdm_cad.layouts.assembly import add_drum_bearings, add_stop_pin, steps
 from mbcdm_cad.layouts.miso_bevel.cable_path import winding
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.plate_screws import plate_screw_of
-from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW, ENCODER_HEAD_SUNK_MM, dowel_length_mm
-from mbcdm_cad.layouts.miso_bevel.support.parts import Frame
-from mbcdm_cad.layouts.miso_bevel.support.top_plate import TopPlate
+from mbcdm_cad.layouts.miso_bevel.stack import plate_screw_of
+from mbcdm_cad.layouts.miso_bevel.support import AXLE_SCREW, ENCODER_HEAD_SUNK_MM, dowel_length_mm
+from mbcdm_cad.layouts.miso_bevel.support.parts import Frame, TopPlate
 from mbcdm_cad.parts.bill import ALONG_Y, FIXED, UPSIDE_DOWN, AssemblyStep, Bill, BillBuilder, Placement
 from mbcdm_cad.parts.bodies import EncoderBody, screw_places
 from mbcdm_cad.parts.drum_sector.items import ENCODER_COLOUR, add_cables, add_drum, add_drum_encoder

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.checks.design_variables import ALL_RADII, DRUM, SHARED, DesignVariable, by_path, field, lengths, radii
 from mbcdm_cad.design.paths import at
-from mbcdm_cad.layouts.base import Conventions, NoFigureError, dimensions
+from mbcdm_cad.layouts.base import Attachment, Conventions, NoFigureError, dimensions
+from mbcdm_cad.layouts.miso_bevel.cable_path import GUIDE
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun, Support
-from mbcdm_cad.layouts.miso_bevel.pulleys import axle, drum, guide, input_pulley
-from mbcdm_cad.layouts.miso_bevel.stack import Stack, stack
-from mbcdm_cad.layouts.miso_bevel.support.dims import FrameDims, TopPlateDims, frame, top_plate
+from mbcdm_cad.layouts.miso_bevel.stack import Stack, axle, guide, input_pulley, stack, stop_pin_z
+from mbcdm_cad.layouts.miso_bevel.support import FrameDims, TopPlateDims, frame, top_plate
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.model.losses import BearingPair, body_bearings
-from mbcdm_cad.parts.coupling import CollarDims, collar
-from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.turned import AxleDims, IdlerDims
 from mbcdm_cad.routes import Floats
@@ -69,12 +67,34 @@ VARIABLES: dict[str, DesignVariable] = by_path(
 )
 
 
+class GuideOnAxle(Attachment):
+    """The guide on its axle between shelf and top plate, which every design has."""
+
+    block = "guide_material"
+
+    def bearings(self, d: DriveSI) -> Iterator[BearingPair]:
+        """See the base class."""
+        spec = self.layout.drive.bearings.guide
+        yield body_bearings(d, d.routes.body(GUIDE), "guide's bearings", (spec, spec), self.layout.guide_bearings_mm)
+
+    def structure(self, unit_tension_N: Floats) -> Iterator[Cause]:
+        """The axle, and the bearings on it."""
+        from mbcdm_cad.layouts.structure import axle_causes, elastic
+        from mbcdm_cad.model.structure.causes import Section
+
+        lay = self.layout
+        spec, supports = lay.drive.bearings.guide, lay.axle_supports_mm
+        section, material = Section(supports[0], supports[1], lay.axle.radius), elastic(lay.drive.axle_material)
+        return axle_causes(lay, {GUIDE: lay.guide_bearings_mm}, unit_tension_N, supports, spec, section, material)
+
+
 class BevelLayout(SectorLayout):
     """One design."""
 
     name = "miso_bevel"
     title = "two inputs, a guide and a bevel transfer to the drum (Fig. 1 d)"
     variables = VARIABLES
+    takes = (GuideOnAxle,)
     before_drum = "guide"
     conventions = Conventions(
         frame="Frame: origin where drum axis (Y) and guide axis (Z) meet; input pulleys at x = -L and +L; "
@@ -108,20 +128,15 @@ class BevelLayout(SectorLayout):
         except ValueError as error:
             raise NoFigureError(f"the pulleys have no place: {error}") from None
 
-    @dimensions
-    def drum(self) -> DrumDims:
-        """Drum sector."""
-        return drum(self.drive, self.levels)
+    @property
+    def stop_pin_z(self) -> float:
+        """See the base class: low in the web between the shelves, with metal below it."""
+        return stop_pin_z(self.drive, self.levels)
 
     @dimensions
     def inputs(self) -> tuple[InputPulleyDims, ...]:
         """The input pulleys."""
         return tuple(input_pulley(self.drive, self.levels, name) for name in self.drive.input_names)
-
-    @dimensions
-    def collar(self) -> CollarDims:
-        """Clamp collar of each input pulley."""
-        return collar(self.drive, self.levels.from_gearhead.motor_shelf_top_z)
 
     @dimensions
     def guide(self) -> IdlerDims:
@@ -134,29 +149,11 @@ class BevelLayout(SectorLayout):
         v = self.levels
         return (v.bearing_shelf_bottom_z + v.bearing_shelf_top_z) / 2, (v.top_plate_bottom_z + v.top_plate_top_z) / 2
 
-    def passed_structure(self, unit_tension_N: Floats) -> Iterable[Cause]:
-        """The guide's axle between shelf and top plate, and its bearings."""
-        from mbcdm_cad.layouts.miso_bevel.routes import GUIDE
-        from mbcdm_cad.layouts.structure import axle_causes, elastic
-        from mbcdm_cad.model.structure.causes import Section
-
-        spec, guide = self.drive.bearings.guide, {GUIDE: self.guide_bearings_mm}
-        section = Section(*self.axle_supports_mm, self.axle.radius)
-        material = elastic(self.drive.axle_material)
-        return axle_causes(self, guide, unit_tension_N, self.axle_supports_mm, spec, section, material)
-
     @property
     def guide_bearings_mm(self) -> tuple[float, float]:
         """Heights of the middles of the guide's bearings."""
         levels, half = self.levels, self.drive.bearings.guide.width_mm / 2.0
         return levels.guide_bottom_z + half, levels.guide_top_z - half
-
-    def passed_bearings(self, d: DriveSI) -> Iterable[BearingPair]:
-        """Those in the guide."""
-        from mbcdm_cad.layouts.miso_bevel.routes import GUIDE
-
-        guide, spec = d.routes.body(GUIDE), self.drive.bearings.guide
-        yield body_bearings(d, guide, "guide's bearings", (spec, spec), self.guide_bearings_mm)
 
     @dimensions
     def axle(self) -> AxleDims:

@@ -12,7 +12,6 @@ import numpy as np
 
 from mbcdm_cad.layouts.bevel_transfer import TravelFigures, ends_at_drum, tensioned
 from mbcdm_cad.layouts.miso_bevel.cable_path import axial_walk_mm, fleet_angle_at_deg, input_wrap_rad, winding
-from mbcdm_cad.layouts.miso_bevel.drive import BevelRun
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.model.tensioning import TensioningPlan, tensioning_plan
 from mbcdm_cad.parts.terminal import tensioned_rope
@@ -91,22 +90,15 @@ def _limits(layout: BevelLayout) -> Iterator[EndOfTravel]:
     yield from (_limit(way * stop, "hard stop") for way in (1, -1))
     for run in drive.cables:
         yield from ends_at_drum(layout, run, "guide")
-        used = half + tau * drive.dead_turns / winding(drive, run).reduction
+        w, per_rad, most = winding(drive, run), abs(axial_walk_mm(drive, run, 1.0)), drive.fleet_angle_max_deg
+        used = half + tau * drive.dead_turns / w.reduction
         yield _limit(run.drum_side * used, f"dead turns of {run.name} on the input are used up")
-        yield from _fleet_limits(layout, run)
+        angle = min(tan(radians(most)) * w.free_span_mm / per_rad, pi)
+        yield from (_limit(way * angle, f"fleet angle of {run.name} reaches {most:g} deg") for way in (1, -1))
 
 
 def _limit(angle_rad: float, cause: str) -> EndOfTravel:
     return EndOfTravel(degrees(angle_rad), cause)
-
-
-def _fleet_limits(layout: BevelLayout, run: BevelRun) -> Iterator[EndOfTravel]:
-    drive = layout.drive
-    w = winding(drive, run)
-    per_rad = abs(axial_walk_mm(drive, run, 1.0))
-    most = drive.fleet_angle_max_deg
-    angle = min(tan(radians(most)) * w.free_span_mm / per_rad, pi)
-    yield from (_limit(way * angle, f"fleet angle of {run.name} reaches {most:g} deg") for way in (1, -1))
 
 
 def path_lines(c: dict[str, Any]) -> Iterator[str]:

@@ -18,10 +18,9 @@ from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.bevel_sizing import RADII, TransferKnown, land_edge, outer_face, transfer_gap
 from mbcdm_cad.layouts.head_parts import PARTS, by_mass
 from mbcdm_cad.layouts.miso_bevel.checks.spans import straight_span_distance_mm
-from mbcdm_cad.layouts.miso_bevel.design_file.resolve import MOST_SETBACK
-from mbcdm_cad.layouts.miso_bevel.design_file.schema import REFERENCE
+from mbcdm_cad.layouts.miso_bevel.design_file import MOST_SETBACK, REFERENCE
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.support.dims import HEAD_ROOM_MM
+from mbcdm_cad.layouts.miso_bevel.support import HEAD_ROOM_MM
 from mbcdm_cad.layouts.open_ratio import SizingRules
 from mbcdm_cad.layouts.stiff_sizing import SHARED, bearing, walls
 from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE
@@ -546,10 +545,6 @@ def _steps(radii: Any, factor: float) -> Any:
     return [round(first + factor * (radius - first), 3) for radius in radii]
 
 
-def _further_back(setback_mm: Any, factor: float) -> Any:
-    return round(setback_mm + SETBACK_MM * (factor - 1.0), 2)
-
-
 def _total_ratio(data: Mapping[str, Any]) -> dict[str, Any]:
     ratios = data["transmission"].get("ratios") or {}
     first, second = ratios.get("input_to_guide"), ratios.get("guide_to_drum")
@@ -570,7 +565,7 @@ FREEDOMS: tuple[Freedom, ...] = (
         TO_DRUM, 0.4, 1.5, mends=(("transmission.ratios.input_to_guide", -1), (at.transmission.guide_radii_mm, -1))
     ),
     Freedom(at.transmission.ratios, instead=_total_ratio),
-    Freedom(SETBACK, 1.0, 2.0, _further_back),
+    Freedom(SETBACK, 1.0, 2.0, lambda setback_mm, factor: round(setback_mm + SETBACK_MM * (factor - 1.0), 2)),
     Freedom(at.drive.motor_side, words=("below", "above")),
 )
 

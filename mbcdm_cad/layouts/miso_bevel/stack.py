@@ -15,16 +15,77 @@ pulleys, the drives from the shelves. All mm.
 """
 
 from dataclasses import dataclass, replace
-from math import radians, sqrt
+from itertools import pairwise
+from math import hypot, pi, radians, sqrt, tau
+from typing import NamedTuple
 
-from mbcdm_cad.layouts.miso_bevel.cable_path import axial_walk_mm, guide_landing_walk_mm
+from mbcdm_cad.design.bought import Screw
+from mbcdm_cad.layouts.miso_bevel.cable_path import axial_walk_mm, guide_landing_walk_mm, stop_of, winding
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
-from mbcdm_cad.layouts.miso_bevel.plate_screws import Edges, beside_box_mm
+from mbcdm_cad.layouts.sector import coupled_pulley
 from mbcdm_cad.parts.coupling import collar_sweep_mm
 from mbcdm_cad.parts.drum_sector.design import END_PLAY_MM, SHELF_GAP_MM, InputLevels
 from mbcdm_cad.parts.drum_sector.sizes import terminal_half_mm
+from mbcdm_cad.parts.input_pulley import dims
 from mbcdm_cad.parts.input_pulley.dims import helix_stop_land_mm
-from mbcdm_cad.parts.motor_head.dims import TOOL_SLENDERNESS
+from mbcdm_cad.parts.motor_head.dims import TOOL_SLENDERNESS, body_radius_mm, outer_half_width_mm
+from mbcdm_cad.parts.turned import AxleDims, IdlerDims
+
+# Screws and dowels of the top plate; the shortest that engage over one diameter are used.
+PLATE_SCREWS = ("M2x6", "M2x8", "M2x10", "M2x12")
+# Distance of the top plate's screws from its front and back edges.
+PLATE_SCREW_INSET_MM = 3.5
+# Radius of the counterbore over that of the head.
+HEAD_PLAY_MM = 0.2
+
+
+class Edges(NamedTuple):
+    """Front and back edge of the top plate, and the radius of its corners; mm."""
+
+    front_y: float
+    back_y: float
+    corner_mm: float
+
+    @property
+    def screws_y(self) -> tuple[float, float]:
+        """y of the front and back screws, clear of the rounded corners."""
+        inset = max(PLATE_SCREW_INSET_MM, self.corner_mm)
+        return self.front_y - inset, self.back_y + inset
+
+
+def plate_screw_of(drive: BevelDrive) -> Screw:
+    """The top plate's screw: the shortest that engages over its diameter, else the longest."""
+    screws = [drive.screw(name) for name in PLATE_SCREWS]
+    sunk = [
+        screw
+        for screw in screws
+        if screw.length_mm - drive.support.top_plate_mm + screw.head_height_mm >= screw.thread_mm
+    ]
+    return sunk[0] if sunk else screws[-1]
+
+
+def counterbore_radius_mm(drive: BevelDrive) -> float:
+    """Radius of the counterbore for a head of these screws."""
+    return plate_screw_of(drive).head_diameter_mm / 2 + HEAD_PLAY_MM
+
+
+def key_reach_mm(drive: BevelDrive) -> float:
+    """Distance from an input's axis to the middle of a screw whose key passes the motor on the plate."""
+    return body_radius_mm(drive) + plate_screw_of(drive).key_mm / 3**0.5 + drive.clearances.running_mm
+
+
+def beside_box_mm(drive: BevelDrive, edges: Edges) -> float:
+    """Least distance in x from an input's axis to the screws beside its coupling box: for counterbore and key."""
+    counterbore = outer_half_width_mm(drive) + counterbore_radius_mm(drive) + drive.clearances.running_mm
+    across = min(abs(y - drive.input_y_mm) for y in edges.screws_y)
+    return max(counterbore, sqrt(max(key_reach_mm(drive) ** 2 - across**2, 0.0)))
+
+
+def key_gap_mm(drive: BevelDrive, x_mm: float, y_mm: float) -> float:
+    """Gap between the key of a screw at (x, y) and the motors on the plate."""
+    reach = key_reach_mm(drive) - drive.clearances.running_mm
+    return min(hypot(x_mm - side * drive.input_x_mm, y_mm - drive.input_y_mm) for side in (-1, 1)) - reach
+
 
 # Land of the guide beyond the flank of the outermost cable at its widest walk.
 GUIDE_MARGIN_MM = 0.8
@@ -46,6 +107,13 @@ def band(drive: BevelDrive, cable: BevelRun, outward: int) -> Band:
     dead_end = cable.drum_radius_mm + outward * (walk + drive.dead_turns * drive.helix_lead_mm)
     other = cable.drum_radius_mm - outward * walk
     return Band(min(dead_end, other) - flank, max(dead_end, other) + flank, dead_end)
+
+
+# What is called otherwise, or stands the other way round, as seen from the gearhead with motors above.
+_FROM_GEARHEAD = (
+    *((name, name) for name in ("motor", "gearhead", "motor_shelf", "guide", "encoder")),
+    *(("bearing_shelf", "top_plate"), ("top_plate", "bearing_shelf")),
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,24 +156,9 @@ class Stack(InputLevels):
         """
         if not self.motors_above:
             return self
-        return replace(
-            self,
-            motor_bottom_z=-self.motor_top_z,
-            motor_top_z=-self.motor_bottom_z,
-            gearhead_bottom_z=-self.gearhead_top_z,
-            gearhead_top_z=-self.gearhead_bottom_z,
-            motor_shelf_bottom_z=-self.motor_shelf_top_z,
-            motor_shelf_top_z=-self.motor_shelf_bottom_z,
-            bearing_shelf_bottom_z=-self.top_plate_top_z,
-            bearing_shelf_top_z=-self.top_plate_bottom_z,
-            guide_bottom_z=-self.guide_top_z,
-            guide_top_z=-self.guide_bottom_z,
-            top_plate_bottom_z=-self.bearing_shelf_top_z,
-            top_plate_top_z=-self.bearing_shelf_bottom_z,
-            encoder_bottom_z=-self.encoder_top_z,
-            encoder_top_z=-self.encoder_bottom_z,
-            pocket_floor_z=-self.pocket_floor_z,
-        )
+        ends = (("bottom", "top"), ("top", "bottom"))
+        turned = {f"{name}_{end}_z": -getattr(self, f"{of}_{to}_z") for name, of in _FROM_GEARHEAD for end, to in ends}
+        return replace(self, **turned, pocket_floor_z=-self.pocket_floor_z)
 
     @property
     def height_mm(self) -> float:
@@ -200,32 +253,118 @@ def _widest_mm(drive: BevelDrive, edges: Edges) -> float:
 
 def _drive_levels(drive: BevelDrive, between: tuple[float, float]) -> dict[str, float]:
     """Levels of motors, gearheads, motor shelf and encoders outside the bearing shelf and the top plate."""
-    s, gear, motor = drive.support, drive.gearhead.length_mm, drive.motor.length_mm
-    bearing_bottom, plate_top = between
-    if drive.motors_above:
-        shelf_bottom = plate_top + s.coupling_space_mm
-        face = shelf_bottom + s.motor_shelf_mm
-        return {
-            "motor_bottom_z": face + gear,
-            "motor_top_z": face + gear + motor,
-            "gearhead_bottom_z": face,
-            "gearhead_top_z": face + gear,
-            "motor_shelf_bottom_z": shelf_bottom,
-            "motor_shelf_top_z": face,
-            "encoder_bottom_z": bearing_bottom - drive.encoder.length_mm,
-            "encoder_top_z": bearing_bottom,
-            "pocket_floor_z": bearing_bottom - drive.encoder.length_mm - drive.clearances.running_mm,
-        }
-    shelf_top = bearing_bottom - s.coupling_space_mm
-    face = shelf_top - s.motor_shelf_mm
-    return {
-        "motor_bottom_z": face - gear - motor,
-        "motor_top_z": face - gear,
-        "gearhead_bottom_z": face - gear,
-        "gearhead_top_z": face,
-        "motor_shelf_bottom_z": face,
-        "motor_shelf_top_z": shelf_top,
-        "encoder_bottom_z": plate_top,
-        "encoder_top_z": plate_top + drive.encoder.length_mm,
-        "pocket_floor_z": shelf_top,
-    }
+    s, (bearing_bottom, plate_top) = drive.support, between
+    way, near, far = (1, plate_top, bearing_bottom) if drive.motors_above else (-1, bearing_bottom, plate_top)
+    shelf = near + way * s.coupling_space_mm
+    face = shelf + way * s.motor_shelf_mm
+    gear = face + way * drive.gearhead.length_mm
+    end, encoder = gear + way * drive.motor.length_mm, far - way * drive.encoder.length_mm
+    bodies = {"motor_shelf": (shelf, face), "gearhead": (face, gear), "motor": (gear, end), "encoder": (far, encoder)}
+    floor = encoder - drive.clearances.running_mm if drive.motors_above else shelf
+    low, high = ({f"{name}_{to}_z": of(z) for name, z in bodies.items()} for to, of in (("bottom", min), ("top", max)))
+    return {**low, **high, "pocket_floor_z": floor}
+
+
+def smallest_lead_mm(drive: BevelDrive) -> float:
+    """Least lead of the helix on the input pulleys: turns side by side, or grooves with crests between them."""
+    d = drive.cable.diameter_mm
+    return dims.GROOVE_LEAD * dims.GROOVE_RADIUS * d if drive.input_pulleys.grooved else d
+
+
+@dataclass(frozen=True)
+class _Wound:
+    """One cable on its pulley, in the frame of the part."""
+
+    cable: BevelRun
+    band: Band
+    stop: dims.StopGeometry
+    wound_rad: float  # what it winds at most
+
+
+def _wound(drive: BevelDrive, name: str) -> tuple[_Wound, _Wound]:
+    """The cables of the input ``name``, the one towards its gearhead first."""
+    found = []
+    for cable in sorted((c for c in drive.cables if c.input_name == name), key=lambda c: c.step):
+        on_pulley, stop = band(drive, cable, outward_of(drive, cable)), stop_of(drive, cable)
+        if drive.motors_above:
+            on_pulley = Band(-on_pulley.high_mm, -on_pulley.low_mm, -on_pulley.dead_end_mm)
+            stop = replace(stop, end_angle_rad=pi - stop.end_angle_rad, away=-stop.away)
+        wound = tau * drive.dead_turns + 2 * winding(drive, cable).reduction * radians(drive.half_travel_deg)
+        found.append(_Wound(cable, on_pulley, stop, wound))
+    low, high = reversed(found) if drive.motors_above else found
+    return low, high
+
+
+def input_pulley(drive: BevelDrive, in_assembly: Stack, name: str) -> dims.InputPulleyDims:
+    """Dimensions of the input pulley called ``name``; its place is that in the assembly."""
+    low, high = _wound(drive, name)
+    levels = in_assembly.from_gearhead
+    flank = drive.cable.diameter_mm / 2
+    bearings = drive.bearings
+    beyond = dims.helix_stop_land_mm(drive)
+    land_bottom = low.band.low_mm - beyond
+    land_top = high.band.high_mm + beyond
+    slots = tuple(
+        dims.stop_slot(drive, w.cable.name, w.cable.input_radius_mm, w.stop, w.band.dead_end_mm, face)
+        for w, face in ((low, land_bottom), (high, land_top))
+    )
+    grooves = tuple(
+        dims.anchored_groove(drive, slot, w.stop, w.wound_rad)
+        for w, slot in zip((low, high), slots, strict=True)
+        if drive.input_pulleys.grooved
+    )
+    return coupled_pulley(
+        drive,
+        levels,
+        name=name,
+        x=low.cable.input_side * drive.input_x_mm,
+        y=drive.input_y_mm,
+        lower_neck_radius=dims.neck_radius_mm(bearings.input_lower.inner_shoulder_mm, low.stop),
+        land_bottom_z=land_bottom,
+        lower_surface_radius=low.cable.input_radius_mm - flank,
+        wall_z=(low.band.high_mm + high.band.low_mm) / 2,
+        upper_surface_radius=high.cable.input_radius_mm - flank,
+        land_top_z=land_top,
+        upper_neck_radius=dims.neck_radius_mm(bearings.input_upper.inner_shoulder_mm, high.stop),
+        slots=slots,
+        grooves=grooves,
+    )
+
+
+def guide(drive: BevelDrive, levels: Stack) -> IdlerDims:
+    """Guide pulley: walls in the middle between the steps, so that the landing point may move in both directions."""
+    cables = sorted(drive.cables, key=lambda c: c.step)
+    flank = drive.cable.diameter_mm / 2
+    bearing = drive.bearings.guide
+    return IdlerDims(
+        bottom_z=levels.guide_bottom_z,
+        top_z=levels.guide_top_z,
+        surface_radii=tuple(c.guide_radius_mm - flank for c in cables),
+        walls_z=tuple((a.drum_radius_mm + b.drum_radius_mm) / 2 for a, b in pairwise(cables)),
+        seat_radius=bearing.outer_diameter_mm / 2,
+        seat_depth=bearing.width_mm,
+        shoulder_radius=bearing.outer_shoulder_mm / 2,
+    )
+
+
+def axle(drive: BevelDrive, levels: Stack) -> AxleDims:
+    """Guide axle between bearing shelf and top plate, with the spacer above the upper bearing."""
+    bearing = drive.bearings.guide
+    return AxleDims(
+        radius=bearing.bore_mm / 2,
+        bottom_z=levels.bearing_shelf_bottom_z,
+        top_z=levels.top_plate_top_z,
+        collar_radius=bearing.inner_shoulder_mm / 2,
+        collar_bottom_z=levels.bearing_shelf_top_z,
+        collar_top_z=levels.guide_bottom_z,
+        spacer_bottom_z=levels.guide_top_z,
+        spacer_top_z=levels.top_plate_bottom_z,
+    )
+
+
+STOP_PIN_WALL_MM = 1.5
+
+
+def stop_pin_z(drive: BevelDrive, levels: Stack) -> float:
+    """Height of the stop pin: low in the web between the shelves, with metal below it."""
+    return levels.shelf_bottom_z + drive.drum.stop_pin_mm / 2 + STOP_PIN_WALL_MM

@@ -22,7 +22,7 @@ from mbcdm_cad.layouts.bevel_transfer import cut_at_pitch, transfer_stacks, wrap
 from mbcdm_cad.layouts.siso_bevel.cable_path import full_input_turn_deg, taken_rad
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
-from mbcdm_cad.layouts.siso_bevel.support.dims import MOUNT_HEAD_ROOM_MM, POCKET_FLAT_MM
+from mbcdm_cad.layouts.siso_bevel.support import MOUNT_HEAD_ROOM_MM, POCKET_FLAT_MM
 from mbcdm_cad.model.tolerance import StackUp, tightest
 from mbcdm_cad.parts.bodies import RING_ENCODER_FLATS
 from mbcdm_cad.parts.motor_head.dims import dowel_length_mm, flange_screw

@@ -7,16 +7,11 @@ from mbcdm_cad.checks import design_variables
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import Conventions, dimensions
 from mbcdm_cad.layouts.sector import HeadLayout, coupled_pulley
-from mbcdm_cad.layouts.siso_bevel.cable_path import longest_mm, stop_of
+from mbcdm_cad.layouts.siso_bevel.cable_path import stop_of
 from mbcdm_cad.layouts.siso_bevel.drive import ColumnSupport, DirectDrive, DirectRun
-from mbcdm_cad.layouts.siso_bevel.stack import DirectStack, direct_stack
-from mbcdm_cad.layouts.siso_bevel.support.dims import ColumnDims, column, flange
-from mbcdm_cad.parts.coupling import CollarDims, collar
-from mbcdm_cad.parts.drum_sector.dims import DrumDims
-from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, furthest_anchor_rad
+from mbcdm_cad.layouts.siso_bevel.support import ColumnDims, DirectStack, column, direct_stack, flange
 from mbcdm_cad.parts.input_pulley import dims
 from mbcdm_cad.parts.motor_head.dims import HeadDims, head
-from mbcdm_cad.parts.terminal import terminal_travel_mm
 
 
 def _reserve(drive: DirectDrive, value: float) -> DirectDrive:
@@ -86,20 +81,9 @@ class DirectLayout(HeadLayout):
         self.terminal_way  # noqa: B018 - raises where there is none
 
     @cached_property
-    def terminal_way(self) -> TerminalWay:
-        """Take-up of the terminals. Raises ValueError for a pulley too small for a stop."""
-        furthest = furthest_anchor_rad(self.drive)
-        return terminal_travel_mm(self.drive, {c.name: longest_mm(self.drive, c, furthest) for c in self.drive.cables})
-
-    @cached_property
     def levels(self) -> DirectStack:
         """Heights and depths."""
         return direct_stack(self.drive)
-
-    @dimensions
-    def drum(self) -> DrumDims:
-        """Drum sector."""
-        return drum(self.drive, self.levels, self.frame.stop_pin_z, self.terminal_way)
 
     @dimensions
     def frame(self) -> ColumnDims:
@@ -110,11 +94,6 @@ class DirectLayout(HeadLayout):
     def inputs(self) -> tuple[dims.InputPulleyDims, ...]:
         """The one input pulley."""
         return (input_pulley(self.drive, self.levels),)
-
-    @dimensions
-    def collar(self) -> CollarDims:
-        """Clamp collar of the pulley."""
-        return collar(self.drive, self.levels.motor_shelf_top_z)
 
     @dimensions
     def head(self) -> HeadDims:

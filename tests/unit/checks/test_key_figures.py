@@ -18,8 +18,7 @@ from mbcdm_cad.checks.size import envelope_check, interference_check, mass_check
 from mbcdm_cad.checks.strength import balanced_preloads, rated_input_Nm
 from mbcdm_cad.design.blocks import Waiver
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
-from mbcdm_cad.layouts.miso_bevel.checks.room import Upright, ring_gap
+from mbcdm_cad.layouts.miso_bevel.checks import CHECKS, Upright, ring_gap
 from mbcdm_cad.layouts.miso_bevel.checks.spans import straight_span_clearance_mm
 from mbcdm_cad.layouts.miso_bevel.checks.transmission import guide_forces_N
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.layouts.miso_bevel.routes import BevelGeometry
+from mbcdm_cad.layouts.miso_bevel.cable_path import BevelGeometry
 from mbcdm_cad.model.si import DriveSI
 
 GEOMETRY = BevelGeometry(

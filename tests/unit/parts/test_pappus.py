@@ -20,7 +20,7 @@ from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, bevel
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.support.top_plate import TopPlate
+from mbcdm_cad.layouts.miso_bevel.support.parts import TopPlate
 from mbcdm_cad.parts.bill import CABLE, Bill
 from mbcdm_cad.parts.drum_sector.part import DrumSector
 from mbcdm_cad.parts.input_pulley.draw import create_input_pulley

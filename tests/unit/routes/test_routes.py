@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.layouts.miso_bevel.routes import BevelGeometry, routed
+from mbcdm_cad.layouts.miso_bevel.cable_path import BevelGeometry, routed
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.curves import Arc, Coil, Helix, Line, Parabola, Piece, _gauss, cut
 from mbcdm_cad.routes.geometry import RoutedDrive

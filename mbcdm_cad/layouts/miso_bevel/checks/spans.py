@@ -1,6 +1,9 @@
 """Free spans between input pulleys and guide; and gaps against the sum of the tolerances of the parts.
 
-A gap smaller than this sum may vanish in a built drive.
+A gap smaller than this sum may vanish in a built drive. Contributions are closed formulas, lengths in mm; with the
+nominal margin they make a :class:`~mbcdm_cad.model.tolerance.StackUp`. Parts are assumed to be made to the fits of
+:mod:`mbcdm_cad.parts.fits` and to the design's block ``making``. Run-out counts half its reading on each radius, play
+half its size to either side; the drum's bearings have no play, because a spring presses them apart.
 """
 
 from collections.abc import Iterator
@@ -16,13 +19,13 @@ from mbcdm_cad.checks.run import rounded
 from mbcdm_cad.checks.transfer import Stacks, TransferStacks, ratio_contributions, transmission_error
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.bevel_transfer import toleranced, transfer_stacks
-from mbcdm_cad.layouts.miso_bevel import gap_tolerances as gaps
 from mbcdm_cad.layouts.miso_bevel.cable_path import BLEND_DIAMETERS, fleet_angle_deg, guide_landing_walk_mm, winding
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.pulleys import smallest_lead_mm
-from mbcdm_cad.layouts.miso_bevel.stack import band, outward_of
-from mbcdm_cad.model.tolerance import StackUp, tightest
+from mbcdm_cad.layouts.miso_bevel.stack import band, outward_of, smallest_lead_mm
+from mbcdm_cad.model.tolerance import Contribution, StackUp, tightest
+from mbcdm_cad.parts.drum_sector.design import END_PLAY_MM
+from mbcdm_cad.parts.making import axial_play_mm, body_accuracy, land_band_mm, rope_band_mm
 
 # Least crest between two grooves, in rope diameters: a thinner one is a sharp edge that cuts the rope (estimate).
 GROOVE_CREST = 0.05
@@ -247,7 +250,7 @@ LEAD_GAIN = 0.85
 def own_turn(s: BevelLayout) -> list[StackUp]:
     """Leaving span over its own last turn."""
     s.levels  # noqa: B018 - without levels there is no winding
-    return [StackUp(f"{c.name} from its own last turn, mm", *gaps.self_clearance(s.drive, c)) for c in s.steps]
+    return [StackUp(f"{c.name} from its own last turn, mm", *last_turn_gap(s.drive, c)) for c in s.steps]
 
 
 def flank_gap(s: BevelLayout) -> list[StackUp]:
@@ -266,7 +269,7 @@ def flank_gap(s: BevelLayout) -> list[StackUp]:
 def guide_gap(s: BevelLayout) -> list[StackUp]:
     """Cables on the guide from the walls of their steps."""
     return [
-        StackUp(f"{c.name} on the guide from its walls, mm", gap, gaps.guide_wall_contributions(s.drive, c))
+        StackUp(f"{c.name} on the guide from its walls, mm", gap, guide_wall_contributions(s.drive, c))
         for c, gap in s.once("guide_walls", guide_wall_gaps_mm)
     ]
 
@@ -303,7 +306,7 @@ def pair_mismatch_stack(s: BevelLayout) -> Comparison:
     from mbcdm_cad.model.equilibrium import solve_equilibrium
 
     pairs = [[c for c in s.steps if c.input_name == name] for name in s.drive.input_names]
-    found = [StackUp("", 0.0, gaps.pair_path_contributions(s.drive, (pair[0], pair[1]))) for pair in pairs]
+    found = [StackUp("", 0.0, pair_path_contributions(s.drive, (pair[0], pair[1]))) for pair in pairs]
     si, idle = s.loads.si, s.loads.idle
     # One pair at a time has an error: half its RSS on each of its cables, both longer or both shorter.
     path = np.array(
@@ -348,3 +351,68 @@ STACKS = (
     pair_mismatch_stack,
     transmission_error,
 )
+
+
+_TURN_STEPS = 12
+
+
+def guide_wall_contributions(drive: BevelDrive, cable: BevelRun) -> tuple[Contribution, ...]:
+    """Contributions to the gap from a cable's flank to the walls of its step of the guide, along z."""
+    drum, guide, frame = (body_accuracy(drive, part) for part in ("drum", "passed", "frame"))
+    return (
+        Contribution("radius of the drum's land", land_band_mm(drive, cable.drum_radius_mm, "drum")),
+        Contribution("run-out of the drum", drum.run_out_mm, 0.5),
+        Contribution("place of the guide's shelf over the drum's axis", frame.position_mm),
+        Contribution("place of the walls on the guide", guide.position_mm),
+        Contribution("axial play of the guide's bearings", axial_play_mm(drive), 0.5),
+        # The centre line lies half a rope over the drum's surface, the flank half a rope beside it.
+        Contribution("rope's diameter", rope_band_mm(drive), 1.0),
+    )
+
+
+def last_turn_gap(drive: BevelDrive, cable: BevelRun) -> tuple[float, tuple[Contribution, ...]]:
+    """Gap of the leaving span to the turn wound before it, fully wound, and its contributions.
+
+    Near the contact the previous turn lies r a^2/2 inside the tangent and lead - c a above the span, a the angle back
+    from the contact, c = lead/2 pi + r tan(fleet angle): D^2 = (r a^2/2)^2 + (lead - c a)^2, least where r^2 a^3 = 2 c
+    (lead - c a) (derived). At the minimum the change of a has no effect to first order. Raises ``ValueError`` if there
+    is no free span.
+    """
+    r, lead = cable.input_radius_mm, drive.helix_lead_mm
+    slope, span = tan(radians(fleet_angle_deg(drive, cable))), winding(drive, cable).free_span_mm
+    c = lead / tau + r * slope
+    a = (2.0 * c * lead / r**2) ** (1.0 / 3.0)
+    for _ in range(_TURN_STEPS):
+        a -= (r**2 * a**3 - 2.0 * c * (lead - c * a)) / (3.0 * r**2 * a**2 + 2.0 * c**2)
+    above = lead - c * a
+    distance = ((r * a**2 / 2.0) ** 2 + above**2) ** 0.5
+    per_slope = -above * r * a / distance
+    per_radius = (r * a**4 / 4.0 - above * slope * a) / distance
+    pulley, guide, frame = (body_accuracy(drive, part) for part in ("pulley", "passed", "frame"))
+    heights = 1.0 / span
+    return distance - drive.cable.diameter_mm, (
+        Contribution("rope's diameter", rope_band_mm(drive), per_radius / 2.0 - 1.0),
+        Contribution("radius of the input pulley", land_band_mm(drive, r, "pulley"), per_radius),
+        Contribution("run-out of the input pulley", pulley.run_out_mm, per_radius / 2.0),
+        Contribution("end play of the input pulley", END_PLAY_MM, per_slope * heights / 2.0),
+        Contribution("height of the guide's step over the pulley's", guide.position_mm, per_slope * heights),
+        Contribution("centre distance", frame.position_mm, -per_slope * slope * drive.centre_distance_mm / span**2),
+    )
+
+
+def pair_path_contributions(drive: BevelDrive, pair: tuple[BevelRun, BevelRun]) -> tuple[Contribution, ...]:
+    """Contributions to the length by which the two cables of an input differ at the end of travel.
+
+    A cable's path changes by theta (dr_o - i dr_m). A thicker rope changes both radii by half of its excess, and the
+    ratios of the pair by different shares since their radii differ.
+    """
+    half, shift = radians(drive.half_travel_deg), 0.0
+    found: list[Contribution] = []
+    for sign, c in zip((1.0, -1.0), pair, strict=True):
+        ratio = c.drum_radius_mm / c.input_radius_mm
+        found += [
+            Contribution(f"drum radius of {c.name}", land_band_mm(drive, c.drum_radius_mm, "drum"), half),
+            Contribution(f"input radius of {c.name}", land_band_mm(drive, c.input_radius_mm, "pulley"), half * ratio),
+        ]
+        shift += sign * half * (1.0 - ratio) / 2.0
+    return (*found, Contribution("rope's diameter", rope_band_mm(drive), shift))

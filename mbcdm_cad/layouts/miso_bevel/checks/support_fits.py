@@ -7,10 +7,8 @@ from mbcdm_cad.checks.design_variables import down, downs, up, ups
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, corner_gap
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.plate_screws import key_gap_mm, plate_screw_of
-from mbcdm_cad.layouts.miso_bevel.stack import band, outward_of
-from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW, HEAD_ROOM_MM, dowel_length_mm
-from mbcdm_cad.parts.motor_head.dims import CouplingBox
+from mbcdm_cad.layouts.miso_bevel.stack import band, key_gap_mm, outward_of, plate_screw_of
+from mbcdm_cad.layouts.miso_bevel.support import AXLE_SCREW, HEAD_ROOM_MM, dowel_length_mm
 from mbcdm_cad.parts.part import pocket_corner_mm
 
 # A screw's head may overlap the pocket's rounded corner by its own edge rounding (ISO 4762: under-head edge).
@@ -98,7 +96,10 @@ def head_seats(s: BevelLayout) -> Findings:
     v, f, box = s.levels, s.frame, s.top_plate.box
     head = s.drive.screw(s.drive.gearhead.screw).head_diameter_mm / 2
     if box is not None:
-        yield "gearhead screw's head from the pocket's corner", _on_box_mm(box) - head, -HEAD_EDGE_MM
+        # From the edge of the flat under the box's motor shelf.
+        corner = pocket_corner_mm(box.corner_radius, 2 * box.inner_x, box.shelf_bottom_z - box.flange_top_z)
+        gaps = [(box.inner_x - corner - abs(x), y + box.inner_x, box.front_y - y) for x, y in box.gear_screws]
+        yield "gearhead screw's head from the pocket's corner", min(map(min, gaps)) - head, -HEAD_EDGE_MM
         return
     edge = max(x for x, _ in f.gear_screws) + head
     radius = min(f.corner_radius, 0.49 * (v.bearing_shelf_bottom_z - v.motor_shelf_top_z))
@@ -112,13 +113,6 @@ def head_seats(s: BevelLayout) -> Findings:
         min(y for _, y in f.gear_screws) - head - v.pocket_floor_y,
     )
     yield "gearhead screw's head from the pocket's corner", gap, -HEAD_EDGE_MM
-
-
-def _on_box_mm(box: CouplingBox) -> float:
-    """Least distance of a gearhead's screw from the edge of the flat under a coupling box's motor shelf."""
-    corner = pocket_corner_mm(box.corner_radius, 2 * box.inner_x, box.shelf_bottom_z - box.flange_top_z)
-    beside = min(box.inner_x - corner - abs(x) for x, _ in box.gear_screws)
-    return min(beside, *(y + box.inner_x for _, y in box.gear_screws), *(box.front_y - y for _, y in box.gear_screws))
 
 
 @check("Input pulleys clear the pocket's corner", at.clearances.running_mm, up(at.support.back_plate_mm))

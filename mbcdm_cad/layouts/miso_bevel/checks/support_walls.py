@@ -5,8 +5,8 @@ from mbcdm_cad.checks.design_variables import down, up, ups
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, inside_rounded_rectangle, web_between
 from mbcdm_cad.checks.motor_head import encoder_threads
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.plate_screws import plate_screw_of
-from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW, ENCODER_HEAD_PLAY_MM, ENCODER_HEAD_SUNK_MM
+from mbcdm_cad.layouts.miso_bevel.stack import plate_screw_of
+from mbcdm_cad.layouts.miso_bevel.support import AXLE_SCREW, ENCODER_HEAD_PLAY_MM, ENCODER_HEAD_SUNK_MM
 
 _WALL = "material: min_wall_mm"
 

@@ -14,9 +14,9 @@ from mbcdm_cad.checks.design_variables import down, downs, up, ups
 from mbcdm_cad.checks.fixings import STRESS_SAFETY, bent_axle_Nmm, round_shaft_MPa
 from mbcdm_cad.checks.ratios import RATIO_TOLERANCE, anchor_bend, bending_checks, pair_mismatch, spread, surface_radius
 from mbcdm_cad.layouts.bevel_transfer import cut_at_pitch
+from mbcdm_cad.layouts.miso_bevel.cable_path import GUIDE
 from mbcdm_cad.layouts.miso_bevel.drive import BevelRun
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.routes import GUIDE
 
 EQ1 = "paper Eq. (1)"
 

@@ -23,8 +23,8 @@ from math import pi
 import numpy as np
 
 from mbcdm_cad.layouts.base import FrameCompliance, FrameStudy
+from mbcdm_cad.layouts.miso_bevel.cable_path import GUIDE
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.routes import GUIDE
 from mbcdm_cad.layouts.structure import elastic
 from mbcdm_cad.model.equilibrium import bearing_loads
 from mbcdm_cad.model.plate_mesh import (
@@ -75,21 +75,17 @@ def _half_load(layout: BevelLayout, mesh: PlateMesh, loads: "SeatLoads") -> Floa
         force = 0.5 * (loads.at(f"{right}_{end}") + mirrored * loads.at(f"{left}_{end}"))
         nodes = mesh.near(panel, point, (reach, reach, 10.0))
         total[nodes, :3] += statically(node[nodes], point, force, np.zeros(3))
-    panel, z, reach = _seat_of_gearheads(layout)
+    # The panel that takes the couple of a gearhead, the height of its face there, and the reach of its seat.
+    v, box = layout.levels, layout.top_plate.box
+    panel, z, reach = "motor shelf", v.motor_shelf_bottom_z, layout.drive.gearhead.diameter_mm / 2
+    if box is not None:
+        panel, z, reach = "top plate", v.top_plate_top_z, box.outer_x
     at = np.array([max(f.input_x), f.input_y, z])
     nodes = mesh.near(panel, at, (reach, reach, 10.0))
     # N m to N mm.
     couple = np.array([0.0, 0.0, 1e3 * loads.gearhead_torque_Nm.mean()])
     total[nodes, :3] += statically(node[nodes], at, np.zeros(3), couple)
     return total.ravel()
-
-
-def _seat_of_gearheads(layout: BevelLayout) -> tuple[str, float, float]:
-    """The panel that takes the couple of a gearhead, the height of its face there, and the reach of its seat; mm."""
-    v, box = layout.levels, layout.top_plate.box
-    if box is None:
-        return "motor shelf", v.motor_shelf_bottom_z, layout.drive.gearhead.diameter_mm / 2
-    return "top plate", v.top_plate_top_z, box.outer_x
 
 
 def boss_ring(layout: BevelLayout) -> BossRing:

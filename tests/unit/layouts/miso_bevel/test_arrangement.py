@@ -13,9 +13,9 @@ from mbcdm_cad.design.fields import ENTRY_NAME
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.miso_bevel.bill import bill
+from mbcdm_cad.layouts.miso_bevel.cable_path import GUIDE, routed
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, bevel
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.routes import GUIDE, routed
 from mbcdm_cad.parts.bill import Item, cable_item, entry_stem, sorted_items
 from mbcdm_cad.parts.bodies import screw_places
 from mbcdm_cad.parts.fits import limits

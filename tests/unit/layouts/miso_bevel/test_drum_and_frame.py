@@ -11,12 +11,11 @@ from hypothesis import strategies as st
 
 from mbcdm_cad.checks.transfer import TransferStacks, ratio_contributions
 from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.layouts.miso_bevel import gap_tolerances as gaps
 from mbcdm_cad.layouts.miso_bevel.cable_path import fleet_angle_deg
+from mbcdm_cad.layouts.miso_bevel.checks import spans as gaps
 from mbcdm_cad.layouts.miso_bevel.checks.spans import stacks, straight_span_clearance_mm
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.pulleys import terminal_way
 from mbcdm_cad.layouts.miso_bevel.stack import stack
 from mbcdm_cad.layouts.miso_bevel.support.stiffness import frame_compliance, seat_loads
 from mbcdm_cad.layouts.registry import layout_of
@@ -167,7 +166,7 @@ def test_closed_form_of_the_self_clearance_is_that_of_the_search(drive: BevelDri
         lead = drive.helix_lead_mm
         slope = tan(radians(fleet_angle_deg(drive, cable)))
         assume(lead < cable.input_radius_mm / 3 and slope < 0.1)
-        found, _ = gaps.self_clearance(drive, cable)
+        found, _ = gaps.last_turn_gap(drive, cable)
         assert found == pytest.approx(searched, abs=0.01 * lead), (found, searched)
 
 
@@ -175,7 +174,7 @@ def test_what_each_tolerance_does_to_the_self_clearance() -> None:
     """Against differences of the searched clearance; the slope of the span moves with the centre distance."""
     drive = reference()
     for cable in drive.cables:
-        _, found = gaps.self_clearance(drive, cable)
+        _, found = gaps.last_turn_gap(drive, cable)
         h = 1e-4
 
         def clearance(d: BevelDrive, c: BevelRun) -> float:
@@ -361,7 +360,7 @@ def test_no_thin_wall_before_a_land_further_out(step: float, sector: float, radi
     cables = tuple(replace(c, drum_radius_mm=radius + step * k) for k, c in enumerate(first.cables))
     drive = replace(first, cables=cables, drum=replace(first.drum, sector_half_angle_deg=sector))
     surfaces = [c.drum_radius_mm - drive.cable.diameter_mm / 2 for c in cables]
-    for t in tensioners(drive, terminal_way(drive)):
+    for t in tensioners(drive, BevelLayout(drive).terminal_way):
         left = radians(sector) - t.anchor_rad
         end = min(t.pocket_end, t.radius_mm * sin(left) / cos(left))
         for surface in surfaces:

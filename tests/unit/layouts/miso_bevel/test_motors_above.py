@@ -13,7 +13,7 @@ from mbcdm_cad.checks.comparison import Comparison
 from mbcdm_cad.design.loader import LoadedDesign
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.miso_bevel.bill import bill
-from mbcdm_cad.layouts.miso_bevel.checks.room import box_mm, collar_space, drum_sweep
+from mbcdm_cad.layouts.miso_bevel.checks import box_mm, collar_space, drum_sweep
 from mbcdm_cad.layouts.miso_bevel.checks.support_fits import drives_apart, head_seats, key_access, screwdriver
 from mbcdm_cad.layouts.miso_bevel.checks.support_walls import bearing_shelf, front_wall, hole_webs, top_plate
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, bevel

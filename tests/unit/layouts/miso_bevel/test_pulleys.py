@@ -7,7 +7,7 @@ import pytest
 
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.support.dims import plate_screw_of
+from mbcdm_cad.layouts.miso_bevel.support import plate_screw_of
 from mbcdm_cad.parts.coupling import collar_sweep_mm
 
 

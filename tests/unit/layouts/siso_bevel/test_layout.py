@@ -16,7 +16,7 @@ from mbcdm_cad.layouts.siso_bevel.cable_path import full_input_turn_deg, stop_of
 from mbcdm_cad.layouts.siso_bevel.checks import drum_sweep, highest_ratio, input_under_turn
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
-from mbcdm_cad.layouts.siso_bevel.stack import pocket_corner_radius_mm
+from mbcdm_cad.layouts.siso_bevel.support import pocket_corner_radius_mm
 from mbcdm_cad.layouts.siso_bevel.support.stiffness import frame_compliance, seat_forces
 from mbcdm_cad.model.stiffness import unit_tensions_N
 from mbcdm_cad.workshop.kernel import bounding_box
