@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.miso_bevel.cable_path import BevelGeometry, routed
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.routes.curves import Arc, Coil, Helix, Line, Parabola, Piece, _gauss, cut
+from mbcdm_cad.routes.curves import _GAUSS, Arc, Coil, Helix, Line, Parabola, Piece, cut
 from mbcdm_cad.routes.geometry import RoutedDrive
 from mbcdm_cad.routes.route import (
     Anchor,
@@ -300,7 +300,7 @@ def test_a_parabola_joins_two_slopes() -> None:
 
 def test_the_table_of_the_quadrature_is_that_of_numpy() -> None:
     nodes, weights = np.polynomial.legendre.leggauss(12)
-    found, found_weights = np.array(sorted(_gauss())).T
+    found, found_weights = np.array(sorted(_GAUSS)).T
     assert np.abs(2 * found - 1 - nodes).max() < 1e-15
     assert np.abs(found_weights - weights).max() < 1e-15
 
