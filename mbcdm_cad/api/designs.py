@@ -234,7 +234,7 @@ def schema_page(configuration: str | None = None, *, measurement: bool = False) 
     from mbcdm_cad.layouts.loader import DEFAULT, design_file
 
     if measurement:
-        from mbcdm_cad.measurement.reference import measurement_page
+        from mbcdm_cad.measurement.draft import measurement_page
 
         return measurement_page()
     return reference_page(design_file(configuration or DEFAULT).nodes)

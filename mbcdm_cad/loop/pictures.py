@@ -16,6 +16,10 @@ from mbcdm_cad.measurement.vet_signals import GAP_STEPS
 from mbcdm_cad.routes import Floats
 
 MEASURED, BEFORE, AFTER = "#000000", "#D55E00", "#0072B2"
+PREDICTED: list[dict[str, Any]] = [
+    {"color": BEFORE, "label": "declared model"},
+    {"color": AFTER, "label": "with what was found"},
+]
 STYLE: dict[Any, Any] = {"font.size": 9.0, "axes.grid": True, "grid.alpha": 0.3, "legend.frameon": False}
 WIDTH_IN = 9.6
 BINS = 60
@@ -35,11 +39,8 @@ def loop_png(t: Traces, ideal_rad: Floats) -> bytes:
         axes.plot(
             angle, error[from_here] / factor, ls="", marker=".", ms=2.0, alpha=0.5, color=MEASURED, label="measured"
         )
-        for residual, colour, word in (
-            (t.residual_before_rad, BEFORE, "declared model"),
-            (t.residual_after_rad, AFTER, "with what was found"),
-        ):
-            axes.plot(angle, (error - residual)[from_here] / factor, lw=0.8, color=colour, label=word)
+        for residual, how in zip((t.residual_before_rad, t.residual_after_rad), PREDICTED, strict=True):
+            axes.plot(angle, (error - residual)[from_here] / factor, lw=0.8, **how)
         axes.set(xlabel="output (mrad)", ylabel=f"output - inputs/ratio ({unit})")
         _legend(axes)
         return _png(figure)
@@ -50,11 +51,8 @@ def readings_png(p: ReadingsPicture) -> bytes:
     with mpl.rc_context(STYLE):
         figure, axes = _panels(4.2)
         factor, unit = size_of("_rad", [float(np.abs(p.read_rad).max())])
-        for line, colour, word in (
-            (p.before_rad, BEFORE, "declared model"),
-            (p.after_rad, AFTER, "with what was found"),
-        ):
-            axes.plot(p.line_at, line / factor, lw=1.0, color=colour, label=word)
+        for line, how in zip((p.before_rad, p.after_rad), PREDICTED, strict=True):
+            axes.plot(p.line_at, line / factor, lw=1.0, **how)
         for kept, face, word in ((p.held < 0.5, MEASURED, "read"), (p.held > 0.5, "white", "held back")):
             axes.plot(
                 p.at[kept], p.read_rad[kept] / factor, ls="", marker="o", ms=5.0, mec=MEASURED, mfc=face, label=word
@@ -72,8 +70,8 @@ def bode_png(p: BodePicture) -> bytes:
         gain, phase, coherence = figure.subplots(3, 1, sharex=True, height_ratios=(3, 2, 1))
         for axes, of in ((gain, np.abs), (phase, lambda row: np.degrees(np.unwrap(np.angle(row))))):
             axes.plot(p.frequency_Hz, of(p.measured), ls="", marker=".", ms=3.0, color=MEASURED, label="measured")
-            axes.plot(p.frequency_Hz, of(p.before), color=BEFORE, lw=1.0, label="declared model")
-            axes.plot(p.frequency_Hz, of(p.after), color=AFTER, lw=1.0, label="with what was found")
+            for response, how in zip((p.before, p.after), PREDICTED, strict=True):
+                axes.plot(p.frequency_Hz, of(response), lw=1.0, **how)
         coherence.plot(p.frequency_Hz, p.coherence, color=MEASURED, lw=0.8)
         gain.set(ylabel="rad/(N m)" if p.over_torque else "gain", xscale="log", yscale="log")
         for axis in (gain.yaxis, coherence.xaxis):

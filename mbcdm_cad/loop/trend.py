@@ -205,7 +205,9 @@ def trend_of(one: Differing, dates: Sequence[datetime.datetime], study: Study, d
     wide = one.runs[0].values.size
     fitted = np.array([run.values[0] for run in one.runs])
     covariance = one.covariance[::wide, ::wide]
-    figure, values = _reported(one)
+    # In the design's unit if there is one, else the first.
+    figure = min(one.runs[0].figures, key=lambda name: name == "share")
+    values = tuple(run.figures[figure] for run in one.runs)
     days = np.array([(date - dates[0]).total_seconds() / DAY_S for date in dates])
     course = best_course(days, fitted, covariance)
     # The figure is a straight function of the fitted value: a share of the declared figure, or the value itself.
@@ -238,13 +240,6 @@ def trend_of(one: Differing, dates: Sequence[datetime.datetime], study: Study, d
         latest=found[2],
         changed=one.changed if one.log_odds > log(CLEAR_ODDS) else "",
     )
-
-
-def _reported(one: Differing) -> tuple[str, tuple[Value, ...]]:
-    """The figure that is shown: in the design's unit if there is one, else the first."""
-    names = list(one.runs[0].figures)
-    name = next((name for name in names if name != "share"), names[0])
-    return name, tuple(run.figures[name] for run in one.runs)
 
 
 @dataclass(frozen=True, eq=False)

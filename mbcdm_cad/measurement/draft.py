@@ -2,6 +2,7 @@
 
 Every guess is marked, with its reason, so that a person can check it. The output is found first; an input's unit, sign
 and place (at the pulley or on the motor, before the gearhead) follow from its angle for a given angle of the output.
+The reference page of all fields is written here too.
 """
 
 import math
@@ -14,15 +15,16 @@ from pathlib import Path
 
 import numpy as np
 
+from mbcdm_cad.design.describe import flow, limit_text
 from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.measurement import logformat, roles
 from mbcdm_cad.measurement.binarylog import opened
-from mbcdm_cad.measurement.datafile import Channel, clock_s, read_channels, read_table
+from mbcdm_cad.measurement.datafile import MOST_BROKEN, Channel, clock_s, read_channels, read_table
 from mbcdm_cad.measurement.file import file_of
-from mbcdm_cad.measurement.kinds import FEWEST_SAMPLES
+from mbcdm_cad.measurement.kinds import FEWEST_SAMPLES, FEWEST_STEPS
 from mbcdm_cad.measurement.logformat import Format, Unit, figure_of, find_format, title_lines, wrong
 from mbcdm_cad.measurement.reading import FULL_SENSE, read_run
-from mbcdm_cad.measurement.schema import FREQUENCY_RESPONSE
+from mbcdm_cad.measurement.schema import FREQUENCY_RESPONSE, json_schema
 from mbcdm_cad.measurement.vet_signals import robust_slope
 from mbcdm_cad.routes import Floats
 
@@ -417,3 +419,29 @@ def _written(data: Path, table: _Table, columns: list[roles.Guess], expected: ro
         lines.append(_NO_LOAD)
     lines += ["# sensors: the steps of the encoders and the noise of the torque, from the data sheets"]
     return "\n".join([*lines, ""])
+
+
+def measurement_page() -> str:
+    """The reference page of the measurement file in Markdown, from its schema and the table of units."""
+    import jinja2  # only for this page
+
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("mbcdm_cad.measurement", "."), trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters |= {
+        "flow": flow,
+        "cell": lambda text: " ".join(str(text).split()).replace("|", "\\|"),
+        "said": lambda node: node["description"].capitalize(),
+    }
+    schema = json_schema()
+    blocks = schema["properties"]
+    return environment.get_template("reference.md.j2").render(
+        blocks=blocks,
+        plain={name: node for name, node in blocks.items() if "properties" not in node and name != "published"},
+        required=schema.get("required", []),
+        limits=lambda node: environment.filters["cell"](limit_text(node)),
+        known_units=logformat.known_units,
+        MOST_BROKEN=MOST_BROKEN,
+        FEWEST_SAMPLES=FEWEST_SAMPLES,
+        FEWEST_STEPS=FEWEST_STEPS,
+    )

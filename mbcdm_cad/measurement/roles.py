@@ -7,10 +7,12 @@ the names speak most. A column whose name says speed, current, command or flag i
 """
 
 import re
+import tomllib
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import permutations
 from math import inf, log, log10, pi, radians
+from pathlib import Path
 
 import numpy as np
 
@@ -60,43 +62,23 @@ WHOLE_SECONDS, SPLIT_SECONDS = 0.5, 10.0
 TURN_WORD = "estimate"
 
 
-def _words(text: str) -> frozenset[str]:
-    return frozenset(text.split())
-
-
-# Words of a name, whole: a name is divided at signs, at capitals and between letters and digits.
-TIME_WORDS = _words(
-    "t time timestamp stamp millis micros sec secs nsec nsecs nanosec usec usecs seconds clock zeit tick ticks ms us"
-)
-# Names of columns that number the rows.
-_NUMBER = _words("frame frames sample samples scan row index idx counter seq number no line n")
-_TEMPERATURE = _words("temp temperature temperatur degc °c")
-_LOAD = _words("tau torque torq moment drehmoment load cell loadcell force kraft f trq")
-_ANGLE = _words(
-    "pos position angle ang enc encoder theta phi q rad deg resolver pot potentiometer potmeter winkel counts "
-    "count cnt steps turns estimate magnet hall"
-)
-_NO_ANGLE = _words(
-    "controller vel velocity speed omega rpm w rate dq qd geschwindigkeit acc accel acceleration cur curr current amp "
-    "amps i iq id strom cmd command commanded demand target set setpoint desired des goal sp reference soll flag state "
-    "status mode error err fault timeout temp temperature volt volts voltage pwm duty power effort index idx counter "
-    "seq sample gyro imu frame frames scan row line"
-)
-_OUTPUT = _words(
-    "out output drum joint link load ank ankle knee hip elbow wrist tip arm end tool second secondary driven "
-    "abtrieb abtriebs last resolver pot potentiometer l low slave lever side elevation"
-)
-_INPUT = _words("in input ref mot motor m servo first primary actuator drive driving rotor antrieb steps stepper")
+# Words of the names of columns, by what they mean.
+_WORDS = {
+    meant: frozenset(words.split())
+    for meant, words in tomllib.loads(Path(__file__).with_name("words.toml").read_text("utf-8")).items()
+}
+TIME_WORDS, _ANGLE, _NO_ANGLE = _WORDS["time"], _WORDS["angle"], _WORDS["no_angle"]
+_LOAD, _TEMPERATURE, _OUTPUT, _INPUT = (_WORDS[meant] for meant in ("load", "temperature", "output", "input"))
 # Long words that also stand inside a word, as in Motorwinkel.
 _INSIDE = {"motor": _INPUT, "antrieb": _INPUT, "abtrieb": _OUTPUT, "winkel": _ANGLE, "moment": _LOAD, "torque": _LOAD}
 
 
 # Roles in an analyser's table, in the order in which they are looked for, with words of their names and units.
 _RESPONSE: tuple[tuple[str, frozenset[str], Collection[str]], ...] = (
-    ("phase", _words("phase ph phi arg argument phasengang"), ()),
-    ("coherence", _words("coherence coh coherency kohärenz gamma"), ()),
-    ("frequency", _words("frequency freq frequenz f omega"), tuple(logformat.FREQUENCY)),
-    ("gain", _words("gain mag magnitude amplitude betrag abs h amp"), (logformat.DECIBEL, *logformat.GIVE)),
+    ("phase", _WORDS["phase"], ()),
+    ("coherence", _WORDS["coherence"], ()),
+    ("frequency", _WORDS["frequency"], tuple(logformat.FREQUENCY)),
+    ("gain", _WORDS["gain"], (logformat.DECIBEL, *logformat.GIVE)),
 )
 
 
@@ -219,7 +201,7 @@ def assign(columns: Sequence[Guess], expected: Expected) -> tuple[Scale | None, 
     _assign(columns, "time", lambda c: (c.unit in logformat.TIME or c.says(TIME_WORDS)) and _rises(c))
     if all(c.role != "time" for c in columns) and len(moving) > 2:
         # Of several the one with the most even steps, as shafts may turn one way too.
-        counts = [c for c in moving if c.says(_NUMBER) and bool(np.all(np.diff(c.values) == 1.0))]
+        counts = [c for c in moving if c.says(_WORDS["number"]) and bool(np.all(np.diff(c.values) == 1.0))]
         rising = [c for c in moving if _rises(c) and c not in counts]
         rising.sort(key=lambda c: float(np.mean(np.abs(np.diff(c.values, 2))) / np.ptp(c.values)))
         _assign(rising[:1], "time", lambda c: True, "it rises in every row")

@@ -60,20 +60,17 @@ def candidates(drive: Drive, limits: BenchLimits) -> list[Experiment]:
                 continue
             motion = {"amplitude_mrad": round(min(1e3 * amplitude, WIDEST_MRAD), 2), "period_s": period}
             for shape, (name, load) in product(SHAPES, _loads(limits, amplitude)):
-                found.append(
-                    Experiment.model_validate(
-                        {
-                            "name": "planned",
-                            "about": f"{travels}, {speeds} {shape}, {name}",
-                            "duration_s": round(limits.duration_s, 3),
-                            "sample_rate_Hz": PLANNING_HZ,
-                            "motion": {**motion, "shape": shape},
-                            "load": load,
-                            "sensors": sensors,
-                            "physics": {"cable_transport": False},
-                        }
-                    )
-                )
+                planned = {
+                    "name": "planned",
+                    "about": f"{travels}, {speeds} {shape}, {name}",
+                    "duration_s": round(limits.duration_s, 3),
+                    "sample_rate_Hz": PLANNING_HZ,
+                    "motion": {**motion, "shape": shape},
+                    "load": load,
+                    "sensors": sensors,
+                    "physics": {"cable_transport": False},
+                }
+                found.append(Experiment.model_validate(planned))
     return found
 
 
@@ -362,6 +359,9 @@ def _limits(drive: Drive, runs: Sequence[Run], step_s: float) -> BenchLimits:
     """Limits of the bench, taken from what these runs reached."""
     seen = max(0.5 * float(np.ptp(run.output_rad)) for run in runs)
     torques = [float(np.abs(run.load_Nm).max()) for run in runs if run.load_Nm is not None]
+    # Sensors that the measurement file does not state are those of the rig.
+    sensors = asdict(runs[0].sensors).items()
+    stated = {name: value for name, value in sensors if value is not None and name != "torque_class"}
     most = min(max(*torques, drive.loads.test_torque_Nm), TORQUE_MAX_NM) if torques else None
     return BenchLimits.model_validate(
         {
@@ -370,15 +370,9 @@ def _limits(drive: Drive, runs: Sequence[Run], step_s: float) -> BenchLimits:
             "sample_rate_Hz": float(np.clip(round(1.0 / step_s, 3), 1.0, 5000.0)),
             "loads": ("brake", "weight", "torque_motor") if torques else (),
             "torque_Nm": most,
-            "sensors": _sensors(runs[0].sensors, bool(torques)),
+            "sensors": {**stated, "log_torque": bool(torques)},
         }
     )
-
-
-def _sensors(sensors: Sensors, torque: bool) -> dict[str, Any]:
-    """Sensors of the bench for the experiment file; those of the rig if the measurement file does not state them."""
-    stated = {name: value for name, value in asdict(sensors).items() if value is not None and name != "torque_class"}
-    return {**stated, "log_torque": torque}
 
 
 def _planned(drive: Drive, experiment: Experiment) -> Run | None:

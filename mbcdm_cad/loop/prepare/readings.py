@@ -2,7 +2,8 @@
 rows are compared; of creep at rest the course of time."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,8 +41,9 @@ def prepare_readings(run: Run, ratio: float) -> Prepared:
     ends = "steps" if path.along else "half cycles"
     words = f"the rows at the end of {ends} {', '.join(str(k + 1) for k in held)}" if held.size else "none"
     angle = np.stack([along(row) for row in path.input_rad])
-    signals = _Signals(along(path.time_s), angle, output, load, None, path.sense[sweep])
-    return _prepared(run, ratio, signals, sweep, used, np.isin(sweep, held), words)
+    signals = {"time_s": along(path.time_s), "angle_rad": angle, "output_rad": output, "load_Nm": load}
+    more = {"temperature_C": None, "speed_rad_s": path.sense[sweep], "held_words": words}
+    return _prepared(run, ratio, sweep, used, np.isin(sweep, held), **signals, **more)
 
 
 def prepare_creep(run: Run, ratio: float) -> Prepared:
@@ -79,8 +81,9 @@ def prepare_creep(run: Run, ratio: float) -> Prepared:
     output = led(mean(run.output_rad), float(run.output_rad[0]))
     sweep = led(np.floor(3.0 * at), 0.0).astype(np.int64)
     used, held = np.append(False, used), np.append(False, held)
-    signals = _Signals(time, angle, output, load, warm, np.zeros(time.size))
-    return _prepared(run, ratio, signals, sweep, used, held, words)
+    signals = {"time_s": time, "angle_rad": angle, "output_rad": output, "load_Nm": load}
+    more = {"temperature_C": warm, "speed_rad_s": np.zeros(time.size), "held_words": words}
+    return _prepared(run, ratio, sweep, used, held, **signals, **more)
 
 
 def under_load(p: Prepared, law: Callable[[Floats], Floats]) -> Floats:
@@ -91,51 +94,28 @@ def under_load(p: Prepared, law: Callable[[Floats], Floats]) -> Floats:
     return turned
 
 
-@dataclass(frozen=True, eq=False)
-class _Signals:
-    """Samples of a run on which the model is simulated; ``sense`` of motion, -1 to 1."""
-
-    time_s: Floats
-    angle_rad: Floats
-    output_rad: Floats
-    load_Nm: Floats | None
-    temperature_C: Floats | None
-    sense: Floats
-
-
 def _prepared(
-    run: Run,
-    ratio: float,
-    s: _Signals,
-    sweep: NDArray[np.int64],
-    used: NDArray[np.bool_],
-    held: NDArray[np.bool_],
-    words: str,
+    run: Run, ratio: float, sweep: NDArray[np.int64], used: NDArray[np.bool_], held: NDArray[np.bool_], **signals: Any
 ) -> Prepared:
-    """Signals that need no smoothing as the fits take them."""
-    none, every = np.zeros(s.time_s.size, dtype=np.bool_), np.arange(s.time_s.size)
+    """Signals that need no smoothing as the fits take them; ``speed_rad_s``: sense of motion, -1 to 1."""
+    angle, time = signals["angle_rad"], signals["time_s"]
+    none, every = np.zeros(time.size, dtype=np.bool_), np.arange(time.size)
     return Prepared(
-        s.time_s,
-        s.angle_rad,
-        s.angle_rad,
-        s.angle_rad - s.angle_rad.mean(axis=0),
-        s.output_rad,
-        s.load_Nm,
-        s.sense,
-        s.temperature_C,
-        sweep,
-        np.zeros(s.time_s.size, dtype=np.int64),
-        used,
-        held & used,
-        float(np.median(np.diff(s.time_s))),
-        sensor_floor_rad(with_written_steps(run), ratio),
-        input_step_rad(run),
-        STANDSTILL,
-        words,
-        False,
-        run,
-        Cut(every, 1, np.zeros(1, dtype=np.int64), none, none),
-        Windows(0.0, 0.0, 0.0),
+        **signals,
+        shaft_rad=angle,
+        apart_rad=angle - angle.mean(axis=0),
+        sweep=sweep,
+        sector=np.zeros(time.size, dtype=np.int64),
+        used=used,
+        held=held & used,
+        step_s=float(np.median(np.diff(time))),
+        floor_rad=sensor_floor_rad(with_written_steps(run), ratio),
+        input_step_rad=input_step_rad(run),
+        standstill_rad_s=STANDSTILL,
+        few=False,
+        run=run,
+        cut=Cut(every, 1, np.zeros(1, dtype=np.int64), none, none),
+        windows=Windows(0.0, 0.0, 0.0),
     )
 
 

@@ -11,8 +11,8 @@ import pytest
 import mbcdm_cad as mc
 from mbcdm_cad.cli import run as mbcdm
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.measurement.draft import measurement_page
 from mbcdm_cad.measurement.file import load_file
-from mbcdm_cad.measurement.reference import measurement_page
 from mbcdm_cad.measurement.schema import Measurement, json_schema, node_at
 from mbcdm_cad.model.si import ModelError
 from tests.support.reference import REFERENCE as DESIGN

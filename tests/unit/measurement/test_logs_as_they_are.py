@@ -14,10 +14,9 @@ from mbcdm_cad.layouts.loader import layout_of
 from mbcdm_cad.loop.prepare.prepared import prepare
 from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.measurement import loads
-from mbcdm_cad.measurement.draft import draft_text
+from mbcdm_cad.measurement.draft import draft_text, measurement_page
 from mbcdm_cad.measurement.file import load_file
 from mbcdm_cad.measurement.reading import load_measurement, read_run
-from mbcdm_cad.measurement.reference import measurement_page
 from mbcdm_cad.measurement.roles import Expected
 from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, Sensors, TorqueClass
 from mbcdm_cad.measurement.schema import MotorBlock, Pendulum
