@@ -383,8 +383,7 @@ class Fitter:
         """Values and offsets after a step, within their bounds."""
         out, at = [], 0
         for effect, value in zip(effects, values, strict=True):
-            low = [p.low for p in effect.parameters]
-            high = [p.high for p in effect.parameters]
+            low, high = np.array([(p.low, p.high) for p in effect.parameters]).T
             out.append(np.clip(value + step[at : at + value.size], low, high))
             at += value.size
         apart = offsets.copy()
@@ -392,7 +391,7 @@ class Fitter:
         return out, np.clip(apart, self.least, self.limit)
 
     def jacobian(self, effects: Sequence[Effect], at: _Point) -> Floats:
-        """Derivatives of the prediction, one-sided differences; shape (n, parameters + free offsets)."""
+        """Derivatives of the prediction by one-sided differences, (n, parameters + free offsets); rounding is none."""
         values, offsets, base = at.values, at.offsets, at.predicted
         columns = []
         for k, effect in enumerate(effects):
@@ -400,8 +399,9 @@ class Fitter:
                 changed = values[k].copy()
                 step = DIFFERENCE * parameter.size
                 changed[i] += step if changed[i] + step <= parameter.high else -step
-                trial = [*values[:k], changed, *values[k + 1 :]]
-                columns.append((self.predict(effects, trial, offsets) - base) / (changed[i] - values[k][i]))
+                change = self.predict(effects, [*values[:k], changed, *values[k + 1 :]], offsets) - base
+                shown = np.abs(change).max() > change.size * np.finfo(float).eps * np.abs(base).max()
+                columns.append(change / (changed[i] - values[k][i]) * shown)
         order = sorted(zip(effects, values, strict=True), key=lambda pair: self.kind(pair[0]))
         for k in np.flatnonzero(self.free).tolist():
             run = next(n for n, row in enumerate(self.rows) if k < row.stop)
