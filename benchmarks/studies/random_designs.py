@@ -30,7 +30,6 @@ from mbcdm_cad.checks.size import estimated_mass_g
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.miso_bevel import checks as miso_bevel_checks
-from mbcdm_cad.layouts.miso_spur import checks as round_checks
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.layouts.siso_bevel import checks as bevel_checks
 from mbcdm_cad.layouts.siso_spur.checks import frame
@@ -53,7 +52,7 @@ SPACES = {**LAYOUTS, USUAL.configuration: USUAL}
 BOXES: dict[str, Any] = {
     "miso_bevel": miso_bevel_checks.box_mm,
     "siso_spur": frame.box_mm,
-    "miso_spur": round_checks.box_mm,
+    "miso_spur": frame.box_mm,
     "siso_bevel": bevel_checks.box_mm,
 }
 

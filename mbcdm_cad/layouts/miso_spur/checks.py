@@ -9,12 +9,11 @@ import numpy as np
 from mbcdm_cad.checks.comparison import Family, Findings, at_most, check
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM
-from mbcdm_cad.checks.size import box_checks, mass_estimate
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.siso_spur.checks import FAMILIES as OF_ONE_INPUT
 from mbcdm_cad.layouts.siso_spur.checks import frame, winding
-from mbcdm_cad.layouts.siso_spur.checks.frame import BOX_ADJUSTMENTS, DOWELS, GAPS, outline, sectors_apart
+from mbcdm_cad.layouts.siso_spur.checks.frame import BOX, DOWELS, GAPS, sectors_apart
 from mbcdm_cad.layouts.siso_spur.checks.winding import stacks
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
 
@@ -68,15 +67,15 @@ class Zone(NamedTuple):
 
 def _shelf(s: RoundDrumLayout, index: int) -> Iterator[Zone]:
     """The encoder shelf at an input, which begins just outside the rim for any centre distance."""
-    f, v = s.units[index].frame, s.levels_of(index)
+    f, v = s.units[index].frame, s.units[index].levels
     name = f"encoder shelf of {s.drive.input_names[index]}"
     yield Zone(name, v.top_plate_bottom_z, v.top_plate_top_z, f.shelf_bottom_z, f.shelf_half_width)
 
 
 def _on_axis(s: RoundDrumLayout, index: int) -> Iterator[Zone]:
     """Parts round the axis of an input."""
-    unit, v, drive = s.units[index], s.levels_of(index), s.drive
-    pulley, f = unit.inputs[0], unit.frame
+    unit, drive = s.units[index], s.drive
+    pulley, f, v = unit.inputs[0], unit.frame, unit.levels
     axis, encoder = f.axis_z, drive.encoder.diameter_mm / 2
     land = max(pulley.lower_land_radius, drive.input_radius_mm + s.flank_mm)
     name = pulley.name
@@ -156,28 +155,6 @@ def heads_apart(s: RoundDrumLayout) -> Findings:
 SECTORS = (sectors_apart, sectors_clear_inputs, sectors_clear_shelves, heads_apart, *DOWELS)
 
 
-def box_mm(s: RoundDrumLayout) -> tuple[float, float, float]:
-    """Box (X, Z, Y) of all parts with the drum centred, computed from the layout; mm."""
-    drive = s.drive
-    # All sectors have the terminals of the first, except for their take-up.
-    own = outline(s, s.frame, s.drum)
-    cloud = np.concatenate(
-        [
-            np.stack(
-                [own[:, 0] * np.cos(a) + own[:, 1] * np.sin(a), own[:, 1] * np.cos(a) - own[:, 0] * np.sin(a)], axis=1
-            )
-            for a in drive.angles_rad
-        ]
-    )
-    wide, high = cloud.max(axis=0) - cloud.min(axis=0)
-    v, levels = s.levels, drive.levels_mm
-    front = max(v.hub_face_y + levels[-1], v.encoder_top_z + levels[-1])
-    return float(wide), float(high), front - min(v.motor_bottom_z, v.back_y)
-
-
-OF_ALL = (*GAPS, *box_checks(box_mm, at.targets.envelope_mm, BOX_ADJUSTMENTS), mass_estimate)
-
-
 # The checks of several inputs stand before or after those of one: the shares behind the winding, the sectors before
 # the support, the room of all in place of the room of one.
 _PLACES = {
@@ -197,7 +174,9 @@ _PLACES = {
         frame.SUPPORT,
     ),
     frame.ROOM: (
-        Family("Gaps between turning and fixed parts, and the box of all inputs compared with its target.", OF_ALL),
+        Family(
+            "Gaps between turning and fixed parts, and the box of all inputs compared with its target.", (*GAPS, *BOX)
+        ),
     ),
 }
 FAMILIES = tuple(family for one in OF_ONE_INPUT for family in _PLACES.get(one, (one,)))

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.layouts.base import Conventions
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.siso_spur.support import SpurStack, spur_stack
 
 if TYPE_CHECKING:
     from mbcdm_cad.parts.milled import Milled
@@ -43,10 +42,6 @@ class RoundDrumLayout(SpurLayout):
         from mbcdm_cad.layouts.miso_spur.star import Star
 
         return Star(tuple(unit.frame for unit in self.units), tuple(degrees(a) for a in self.drive.angles_rad))
-
-    def levels_of(self, index: int) -> SpurStack:
-        """See the base class."""
-        return self.once(f"levels_{index}", lambda s: spur_stack(s.drive.unit(index)))
 
 
 LAYOUT = RoundDrumLayout

@@ -7,7 +7,7 @@ at any angle of the drum, and the landing points move along the drum together wi
 last point that ever leaves the drum, the cable changes into the plane of its terminal.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import cos, pi, radians, sin, tan, tau
 
@@ -107,7 +107,7 @@ def cable_paths(
 ) -> tuple[curves.CablePath, ...]:
     """Centre lines at a drum angle; ``anchors``: (anchor_rad, tail_mm) of each side by its name."""
     if drive.anchored:
-        return tuple(anchored_path(drive, c, *anchors[c.name], angle_rad) for c in drive.cables)
+        return tuple(anchored_path(drive, c, anchors[c.name], angle_rad) for c in drive.cables)
     return (cable_path(drive, anchors, angle_rad),)
 
 
@@ -117,64 +117,51 @@ def stop_of(drive: SpurDrive, cable: SpurRun) -> StopGeometry:
     return stop_geometry(drive, cable.input_radius_mm, end, cable.drum_side)
 
 
-def anchored_path(
-    drive: SpurDrive, cable: SpurRun, anchor_rad: float, tail_mm: float, angle_rad: float
-) -> curves.CablePath:
-    """Centre line of one of two anchored cables, from the end of its stop; arguments as of :func:`side_pieces`."""
+# A stretch of a path: the body that it lies on, and its pieces by their names.
+_Part = tuple[str | None, list[tuple[str, Drawn]]]
+
+
+def _path(run: SpurRun, angle_rad: float, parts: Sequence[_Part]) -> curves.CablePath:
+    pieces = tuple(piece for _, named in parts for piece in named)
+    stretches = tuple(curves.Stretch(body, tuple(name for name, _ in named)) for body, named in parts)
+    return curves.CablePath(run, angle_rad, pieces, stretches)
+
+
+def _side(drive: SpurDrive, cable: SpurRun, end: tuple[float, float], angle_rad: float, mark: str = "") -> list[_Part]:
+    """A side from the input on; ``mark`` follows the names of its pieces."""
+    led = led_names(drive)
+    pieces = zip((*led, *_ON_DRUM), side_pieces(drive, cable, *end, angle_rad), strict=True)
+    named = [(f"{name}{mark}", piece) for name, piece in pieces]
+    return [(None, named[: len(led)]), ("drum", named[len(led) :])]
+
+
+def anchored_path(drive: SpurDrive, cable: SpurRun, end: tuple[float, float], angle_rad: float) -> curves.CablePath:
+    """Centre line of one of two anchored cables, from the end of its stop; ``end``: (anchor_rad, tail_mm)."""
     axis = (0.0, 0.0, drive.centre_distance_mm)
     leave = drive.level_mm + walked_mm(drive, angle_rad) + cable.outward * drive.leave_mm
     wrap = input_wrap_rad(drive, cable, angle_rad)
     at = contact_rad(drive, cable.drum_side)
-    end, end_y = at + cable.drum_side * wrap, leave + cable.outward * drive.helix_lead_mm * wrap / tau
-    wound = curves.Coil(axis, _Y, _Z, cable.input_radius_mm, end, at, end_y, leave)
+    stop, stop_y = at + cable.drum_side * wrap, leave + cable.outward * drive.helix_lead_mm * wrap / tau
+    wound = curves.Coil(axis, _Y, _Z, cable.input_radius_mm, stop, at, stop_y, leave)
     start = wound.points(np.array([0.0]))[0]
-    radial = np.array([sin(end), 0.0, cos(end)])
+    radial = np.array([sin(stop), 0.0, cos(stop)])
     ends = stop_pieces(start, radial, -wound.tangent(0.0), cable.input_radius_mm, stop_of(drive, cable))
-    side = side_pieces(drive, cable, anchor_rad, tail_mm, angle_rad)
-    on_input = (*STOP_PIECES, *ON_INPUT)
-    led = led_names(drive)
-    pieces = (*zip(on_input, (*ends, wound), strict=True), *zip((*led, *_ON_DRUM), side, strict=True))
-    stretches = (
-        curves.Stretch(f"input_{cable.input_name}", on_input),
-        curves.Stretch(None, led),
-        curves.Stretch("drum", _ON_DRUM),
-    )
-    return curves.CablePath(cable, angle_rad, pieces, stretches)
+    on_input = list(zip((*STOP_PIECES, *ON_INPUT), (*ends, wound), strict=True))
+    return _path(cable, angle_rad, [(f"input_{cable.input_name}", on_input), *_side(drive, cable, end, angle_rad)])
 
 
 def cable_path(drive: SpurDrive, anchors: Mapping[str, tuple[float, float]], angle_rad: float) -> curves.CablePath:
     """Centre line of the one cable, which has the name of its input; arguments as of :func:`cable_paths`."""
     first, second = drive.cables
-    ends = [side_pieces(drive, c, *anchors[c.name], angle_rad) for c in (first, second)]
-    at = contact_rad(drive, first.drum_side)
+    back, on = (_side(drive, c, anchors[c.name], angle_rad, f"_{c.name}") for c in (first, second))
+    at, axis = contact_rad(drive, first.drum_side), (0.0, 0.0, drive.centre_distance_mm)
+    end = at + drive.input_sense * first.drum_side * drive.wrap_rad
     middle = drive.level_mm + walked_mm(drive, angle_rad)
     leave = [middle + c.outward * drive.leave_mm for c in (first, second)]
-    wound = curves.Coil(
-        (0.0, 0.0, drive.centre_distance_mm),
-        _Y,
-        _Z,
-        drive.input_radius_mm,
-        at,
-        at + drive.input_sense * first.drum_side * drive.wrap_rad,
-        leave[0],
-        leave[1],
-    )
-    led = led_names(drive)
-    free = len(led)
-    names = [[f"{name}_{c.name}" for name in (*led, *_ON_DRUM)] for c in (first, second)]
-    pieces: tuple[tuple[str, Drawn], ...] = (
-        *((name, curves.reverse(piece)) for name, piece in zip(names[0][::-1], ends[0][::-1], strict=True)),
-        (ON_INPUT[0], wound),
-        *zip(names[1], ends[1], strict=True),
-    )
-    stretches = (
-        curves.Stretch("drum", tuple(names[0][: free - 1 : -1])),
-        curves.Stretch(None, tuple(names[0][free - 1 :: -1])),
-        curves.Stretch(f"input_{first.input_name}", ON_INPUT),
-        curves.Stretch(None, tuple(names[1][:free])),
-        curves.Stretch("drum", tuple(names[1][free:])),
-    )
-    return curves.CablePath(replace(first, name=first.input_name), angle_rad, pieces, stretches)
+    wound = curves.Coil(axis, _Y, _Z, drive.input_radius_mm, at, end, *leave)
+    to_input = [(body, [(name, curves.reverse(piece)) for name, piece in named[::-1]]) for body, named in back[::-1]]
+    parts: list[_Part] = [*to_input, (f"input_{first.input_name}", [(ON_INPUT[0], wound)]), *on]
+    return _path(replace(first, name=first.input_name), angle_rad, parts)
 
 
 def side_length_mm(drive: SpurDrive, cable: SpurRun, anchor_rad: float, tail_mm: float) -> float:

@@ -129,17 +129,9 @@ class SpurDrive(SectorDrive):
         count = len(self.angles_rad)
         return max(self.loads.peak_torque_Nm, stalled) * (count - 1) / count
 
-    @cached_property
-    def _units(self) -> "dict[int, SpurDrive]":
-        return {}
-
     def unit(self, index: int) -> "SpurDrive":
         """The cable with this index, its sector and its input as a separate drive, the input above the drum."""
-        if len(self.angles_rad) == 1:
-            return self
-        if index not in self._units:
-            self._units[index] = self._made_unit(index)
-        return self._units[index]
+        return self if len(self.angles_rad) == 1 else self.once(f"unit {index}", lambda whole: whole._made_unit(index))
 
     def _made_unit(self, index: int) -> "SpurDrive":
         places = (2 * index, 2 * index + 1)
@@ -407,11 +399,6 @@ def spur(drive: Drive) -> SpurDrive:
     if not isinstance(drive, SpurDrive):
         raise TypeError(f"{drive.name}: a drive of configuration {drive.configuration}, not of siso_spur")
     return drive
-
-
-def is_anchored(drive: SpurDrive) -> bool:
-    """Whether two cables end on each input."""
-    return drive.anchored
 
 
 def contact_rad(drive: SpurDrive, side: int) -> float:

@@ -10,7 +10,8 @@ from __future__ import annotations
 import copy
 import json
 from collections import OrderedDict
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import asdict, replace
 from functools import cached_property, partial
 from importlib import import_module
@@ -87,10 +88,7 @@ _found: OrderedDict[str, FirstStage | SizingError] = OrderedDict()
 
 def of_design(design: Any) -> FirstStage | None:
     """The first stage of a valid design. Raises ``SizingError`` with what is wrong in its block."""
-    if design.first_stage is None:
-        return None
-    own = {kind: getattr(design.catalogue, kind) for kind in KINDS}
-    return first_stage(words(_fields(design), own))
+    return None if design.first_stage is None else of_data(_fields(design))
 
 
 def _fields(design: Any) -> Get:
@@ -107,8 +105,7 @@ def _fields(design: Any) -> Get:
 
 def of_data(get: Get) -> FirstStage:
     """The first stage of a file whose fields are being filled. Raises as :func:`of_design`."""
-    own = OwnEntries.model_validate(get("catalogue") or {})
-    return first_stage(words(get, {kind: getattr(own, kind) for kind in KINDS}))
+    return first_stage(words(get))
 
 
 def last_ratio(get: Get) -> float | None:
@@ -139,13 +136,14 @@ def split_ratio(get: Get) -> float:
     return round(max(min(wanted, most), 1.0), 9)
 
 
-def words(get: Get, own: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-    """The design file of the first stage as plain data, from the fields of the whole and its entries of the catalogue.
+def words(get: Get) -> dict[str, Any]:
+    """The design file of the first stage as plain data, from the fields of the whole.
 
     Raises ``SizingError`` for words that it cannot have.
     """
     ratio = last_ratio(get)
     assert ratio is not None
+    own = OwnEntries.model_validate(get("catalogue") or {})
     whole, stated = get("first_stage"), get("first_stage.ratio")
     given = copy.deepcopy((whole.get("design") if isinstance(whole, dict) else whole.design) or {})
     for name in given:
@@ -189,8 +187,8 @@ def words(get: Get, own: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
         "drive": {**train, "encoder": NO_ENCODER, "drum_encoder": NO_ENCODER},
         "drum": {"material": get("drum.material"), "shaft_end_mm": SHELF_MM + COLLAR_MM},
         "support": {"material": get("support.material")},
-        "printing": {"nozzle_mm": _or(get("printing.nozzle_mm"), 0.4), "threads": _or(get("printing.threads"), "cut")},
-        "catalogue": {kind: {name: _entry(entry) for name, entry in entries.items()} for kind, entries in own.items()},
+        "printing": {"nozzle_mm": get("printing.nozzle_mm") or 0.4, "threads": get("printing.threads") or "cut"},
+        "catalogue": {kind: {name: _entry(e) for name, e in getattr(own, kind).items()} for kind in KINDS},
     }
     for block, fields in given.items():
         if isinstance(fields, dict) and isinstance(found.get(block), dict):
@@ -203,10 +201,6 @@ def words(get: Get, own: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
 def _digits(value: float) -> float:
     """Nine digits, so that fields that are equal but for rounding give the same drive."""
     return float(f"{value:.9g}")
-
-
-def _or(value: Any, otherwise: Any) -> Any:
-    return otherwise if value is None else value
 
 
 def _entry(entry: Any) -> dict[str, Any]:
@@ -294,13 +288,14 @@ def output_of(first: SpurDrive) -> CableStageOutput:
     peak = first.loads.peak_torque_Nm
     share = idle = 0.0
     stiffness: float | None = None
-    try:
+    with suppress(NoFigureError, ModelError, ValueError):
         share, idle = losses_of(layout)
         stiffness = 1e6 / urad_Nm(layout)
-    except (NoFigureError, ModelError, ValueError):
-        pass
     levels = layout.levels
-    near, far = _bearings_mm(layout)
+    # Without a place for them the second stage is sized for a boss as short as one bearing.
+    near, far = 0.0, bearing.width_mm
+    with suppress(NoFigureError):
+        near, far = layout.drum_bearings_mm
     return CableStageOutput(
         name=FIRST_STAGE,
         source="the first stage of this file",
@@ -325,14 +320,6 @@ def output_of(first: SpurDrive) -> CableStageOutput:
         idle_torque_Nm=idle,
         lash_rad=lash_rad(first, motors_held=True),
     )
-
-
-def _bearings_mm(layout: SectorLayout) -> tuple[float, float]:
-
-    try:
-        return layout.drum_bearings_mm
-    except NoFigureError:
-        return 0.0, layout.drive.bearings.drum.width_mm
 
 
 def losses_of(layout: SectorLayout) -> tuple[float, float]:

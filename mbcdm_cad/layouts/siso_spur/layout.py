@@ -10,17 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mbcdm_cad.checks.design_variables import (
-    ALL_RADII,
-    DRUM,
-    INPUT_TO_DRUM,
-    SHARED,
-    DesignVariable,
-    by_path,
-    field,
-    lengths,
-    radii,
-)
+from mbcdm_cad.checks import design_variables as dv
 from mbcdm_cad.checks.fixings import STRESS_SAFETY
 from mbcdm_cad.layouts.base import Conventions, dimensions
 from mbcdm_cad.layouts.sector import HeadLayout
@@ -32,15 +22,7 @@ from mbcdm_cad.layouts.siso_spur.pulley import BeltOrGears, ServoHorn, input_pul
 from mbcdm_cad.layouts.siso_spur.routes import DISTANCE, IDLER_RADIUS, SpurGeometry, no_strand
 from mbcdm_cad.layouts.siso_spur.schema import IdlerBlock, YokeSupport
 from mbcdm_cad.layouts.siso_spur.support import SpurStack, YokeDims, flange, spur_stack, yoke
-from mbcdm_cad.parts.coupling import (
-    HUB_EDGE_MM,
-    CollarDims,
-    StageDims,
-    collar,
-    collar_over_shelf_mm,
-    collar_width_mm,
-    stage_dims,
-)
+from mbcdm_cad.parts import coupling
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, DrumDims, HubDowels
 from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, furthest_anchor_rad
@@ -75,32 +57,32 @@ def _belt_teeth(drive: SpurDrive, value: float) -> SpurDrive:
     return replace(drive, stage=replace(drive.stage, belt_teeth=round(value)))
 
 
-def _with_lands(variable: DesignVariable) -> DesignVariable:
+def _with_lands(variable: dv.DesignVariable) -> dv.DesignVariable:
     """The design variable; a drive with a new value gets new planes of its terminals."""
     return variable._replace(put=lambda drive, value: laid(spur(variable.put(drive, value))))
 
 
-VARIABLES: dict[str, DesignVariable] = by_path(
+VARIABLES: dict[str, dv.DesignVariable] = dv.by_path(
     _with_lands(variable)
     for variable in (
-        *SHARED,
-        radii(ALL_RADII, ("drum_radius_mm", "input_radius_mm")),
-        radii("transmission.input_radius_mm", ("input_radius_mm",))._replace(applies=lambda d: d.radii_explicit),
-        INPUT_TO_DRUM,
-        field("transmission.centre_distance_mm", "centre_distance_mm"),
-        DesignVariable("transmission.turns", lambda drive: float(drive.turns), _turns),
-        field("rope.helix_lead_mm", "helix_lead_mm"),
-        field("clearances.land_edge_mm"),
-        *DRUM,
-        *lengths("support", YokeSupport),
-        field("stage.width_mm")._replace(applies=lambda d: d.stage is not None),
-        DesignVariable(
+        *dv.SHARED,
+        dv.radii(dv.ALL_RADII, ("drum_radius_mm", "input_radius_mm")),
+        dv.radii("transmission.input_radius_mm", ("input_radius_mm",))._replace(applies=lambda d: d.radii_explicit),
+        dv.INPUT_TO_DRUM,
+        dv.field("transmission.centre_distance_mm", "centre_distance_mm"),
+        dv.DesignVariable("transmission.turns", lambda drive: float(drive.turns), _turns),
+        dv.field("rope.helix_lead_mm", "helix_lead_mm"),
+        dv.field("clearances.land_edge_mm"),
+        *dv.DRUM,
+        *dv.lengths("support", YokeSupport),
+        dv.field("stage.width_mm")._replace(applies=lambda d: d.stage is not None),
+        dv.DesignVariable(
             "stage.belt_teeth",
             lambda drive: float(drive.stage.belt_teeth),
             _belt_teeth,
             applies=lambda d: d.stage is not None and d.stage.is_belt,
         ),
-        *(one._replace(applies=lambda d: d.idlers is not None) for one in lengths("idlers", IdlerBlock)),
+        *(one._replace(applies=lambda d: d.idlers is not None) for one in dv.lengths("idlers", IdlerBlock)),
     )
 )
 
@@ -194,11 +176,11 @@ class SpurLayout(HeadLayout):
     @cached_property
     def levels(self) -> SpurStack:
         """Levels along Y, at the first of several inputs."""
-        return self.levels_of(0)
+        return spur_stack(self.drive)
 
     def levels_of(self, index: int) -> SpurStack:
-        """See the base class; here all cables go round one input."""
-        return self.once("levels", lambda s: spur_stack(s.drive))
+        """See the base class."""
+        return self.input_units[index].levels
 
     @dimensions
     def drum(self) -> DrumDims:
@@ -242,27 +224,27 @@ class SpurLayout(HeadLayout):
         )
 
     @dimensions
-    def collar(self) -> CollarDims:
+    def collar(self) -> coupling.CollarDims:
         """Clamp collar of the pulley."""
         drive, stage = self.drive, self.stage
-        found = collar(drive, self.levels.motor_shelf_top_z)
+        found = coupling.collar(drive, self.levels.motor_shelf_top_z)
         if stage is None:
             return found
         # On the hub of the driven wheel.
-        bottom = stage.top_z + HUB_EDGE_MM
+        bottom = stage.top_z + coupling.HUB_EDGE_MM
         return replace(found, bottom_z=bottom, top_z=bottom + found.top_z - found.bottom_z)
 
     @dimensions
-    def stage(self) -> StageDims | None:
+    def stage(self) -> coupling.StageDims | None:
         """Belt or gears between motor and input; None without."""
         drive = self.drive
         if drive.stage is None:
             return None
-        return stage_dims(
+        return coupling.stage_dims(
             drive.stage,
-            self.levels.motor_shelf_top_z + collar_over_shelf_mm(drive),
+            self.levels.motor_shelf_top_z + coupling.collar_over_shelf_mm(drive),
             drive.bearings.input_lower.bore_mm,
-            collar_width_mm(drive),
+            coupling.collar_width_mm(drive),
             drive.gearhead.shaft_diameter_mm,
         )
 

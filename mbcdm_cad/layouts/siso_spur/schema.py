@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
-from mbcdm_cad.design.blocks import TRAVEL_MAX_DEG, Design, Input, Length, Limits, Rope, Travel
+from mbcdm_cad.design.blocks import TRAVEL_MAX_DEG, Design, Input, Length, Limits, Rope, Travel, WoundRope
 from mbcdm_cad.design.fields import ESTIMATE, Block, EntryName, Integer, Number, PlainBlock, choice, quantity
 from mbcdm_cad.design.loader import reference_of
 from mbcdm_cad.design.sector_blocks import Clearances, HeadSupport, SectorCable, SectorDrum, WoundPulleys
@@ -110,17 +110,7 @@ class SpurTransmission(Block):
 class SpurRope(Rope):
     """The rope: a catalogue type, or all values inline."""
 
-    ORDER: ClassVar[tuple[str, ...]] = (
-        "type",
-        "inline",
-        "modulus_GPa",
-        "modulus_area",
-        "termination",
-        "friction_coefficient",
-        "preload_N",
-        "helix_lead_mm",
-        "cut_tolerance_mm",
-    )
+    ORDER: ClassVar[tuple[str, ...]] = WoundRope.ORDER
 
     helix_lead_mm: Number = quantity(
         "axial lead of the turns on the input; larger than the rope's diameter",
@@ -225,13 +215,7 @@ class SpurDrum(SectorDrum):
 class SpurLimits(Limits):
     """Limits of this design, which the checks use."""
 
-    ORDER: ClassVar[tuple[str, ...]] = (
-        "bend_ratio_min",
-        "slip_margin_min",
-        "tension_safety_factor",
-        "preload_share_max",
-        "frame_windup_max_mrad",
-    )
+    ORDER: ClassVar[tuple[str, ...]] = ("bend_ratio_min", "slip_margin_min")
 
     slip_margin_min: Number = quantity(
         "torque at which a continuous cable slips on the input over the peak torque",

@@ -297,10 +297,14 @@ def outline(s: SpurLayout, f: YokeDims, d: DrumDims) -> NDArray[np.float64]:
 
 def box_mm(s: SpurLayout) -> tuple[float, float, float]:
     """Box (X, Z, Y) of all parts with the drum centred, computed from the layout; mm."""
-    v = s.levels
-    cloud = outline(s, s.frame, s.drum)
+    v, angles = s.levels, s.drive.angles_rad[: len(s.input_units)]
+    # All sectors have the terminals of the first, except for their take-up.
+    own = outline(s, s.frame, s.drum)
+    cloud = np.concatenate([own @ [[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]] for a in angles])
     wide, high = cloud.max(axis=0) - cloud.min(axis=0)
-    front = max(v.hub_face_y + s.drive.band_mm, v.encoder_top_z)
+    # The encoder of a common input stands before all its cables, one of several inputs before its own.
+    last = s.drive.levels_mm[-1]
+    front = max(v.hub_face_y + last, v.encoder_top_z + (last - s.drive.band_mm))
     return float(wide), float(high), front - min(v.motor_bottom_z, v.back_y)
 
 
@@ -396,17 +400,10 @@ def parallel_spread(s: SpurLayout) -> Comparison:
 
 _X: tuple[Adjustment, ...] = (down(at.drum.sector_half_angle_deg), up(at.drum.sector_half_angle_deg))
 _Y: tuple[Adjustment, ...] = (down(at.support.coupling_space_mm), up(at.support.coupling_space_mm))
-BOX_ADJUSTMENTS = (_X, _Z, _Y)
+BOX = (*box_checks(box_mm, at.targets.envelope_mm, (_X, _Z, _Y)), mass_estimate)
 GAPS = (frame_front, drum_and_input, bodies_behind)
 DOWELS = (hub_dowels, dowel_holes)
 ROOM = Family(
     "Gaps between turning and fixed parts, several sectors on one shaft, and the box compared with its target.",
-    (
-        *GAPS,
-        sectors_apart,
-        *DOWELS,
-        parallel_spread,
-        *box_checks(box_mm, at.targets.envelope_mm, BOX_ADJUSTMENTS),
-        mass_estimate,
-    ),
+    (*GAPS, sectors_apart, *DOWELS, parallel_spread, *BOX),
 )

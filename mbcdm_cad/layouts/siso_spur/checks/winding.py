@@ -9,6 +9,7 @@ this creep does not accumulate. If the travel unwinds that part, the cable moves
 from collections.abc import Iterator
 from itertools import pairwise
 from math import asin, ceil, cos, degrees, hypot, inf, log, sin, tau
+from operator import attrgetter
 
 import numpy as np
 
@@ -22,7 +23,6 @@ from mbcdm_cad.checks.transfer import MORE_WRAP, SLIPS, WRAPS, stack_check, tran
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.siso_spur.cable_path import ON_INPUT
-from mbcdm_cad.layouts.siso_spur.drive import is_anchored
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.pulley import without_bearings
 from mbcdm_cad.model.capability import torque_at_slip_Nm
@@ -54,12 +54,13 @@ WIDER: tuple[Adjustment, ...] = (
     *downs(at.transmission.input_to_drum, "rope diameter_mm"),
     up("all radii of transmission"),
 )
-_RADII = (surface_radius, cut_at_pitch, *bending_checks(WIDER), anchor_bend.but(adjust=WIDER, applies=is_anchored))
+_IS_ANCHORED = attrgetter("anchored")
+_RADII = (surface_radius, cut_at_pitch, *bending_checks(WIDER), anchor_bend.but(adjust=WIDER, applies=_IS_ANCHORED))
 _STOPS = (
     dead_turns.but(adjust=(up(at.transmission.turns), *downs(at.transmission.input_to_drum, at.travel.half_angle_deg))),
     *stop_checks(WIDER),
 )
-PULLEY_FITS = (*(check.but(applies=is_anchored) for check in _STOPS), *coupling_checks(WIDER))
+PULLEY_FITS = (*(check.but(applies=_IS_ANCHORED) for check in _STOPS), *coupling_checks(WIDER))
 
 
 # Largest fleet angle on a smooth pulley (rope makers); from a groove the cable leaves in line with it.
@@ -273,7 +274,7 @@ _WINDING = (
     cables_apart.but(
         source="derived: the spans converge; 0.1 mm: estimate",
         adjust=(down(at.transmission.centre_distance_mm),),
-        applies=is_anchored,
+        applies=_IS_ANCHORED,
     ),
     rim_width,
 )

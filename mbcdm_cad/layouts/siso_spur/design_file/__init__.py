@@ -215,31 +215,25 @@ def broken_way(design: SpurBlocks) -> Iterator[Broken]:
 
 def broken_seat(design: SpurBlocks) -> Iterator[Broken]:
     """A pulley on the motor's shaft has no bearings, no encoder and no stops; one between bearings names both."""
-    pulleys = design.input_pulleys
-    given = (
+    pulleys, carried = design.input_pulleys, "the motor's shaft carries the pulley"
+    if not pulleys.overhung:
+        return
+    instead = "or set input_pulleys.carried_by to bearings"
+    for path, name, none in (
         (("input_pulleys", "lower_bearing"), pulleys.lower_bearing, NO_BEARING),
         (("input_pulleys", "upper_bearing"), pulleys.upper_bearing, NO_BEARING),
         (("drive", "encoder"), design.drive.encoder, NO_ENCODER),
-    )
-    for path, name, none in given if pulleys.overhung else ():
+    ):
         if name != none:
-            remedy = f"leave it out, write {none}, or set input_pulleys.carried_by to bearings"
-            yield Broken(path, "the motor's shaft carries the pulley and has no place for it", name, none, remedy)
+            what = f"{carried} and has no place for it"
+            yield Broken(path, what, name, none, f"leave it out, write {none}, {instead}")
     for block, name in ((design.idlers, "idlers"), (design.stage, "stage")):
-        if pulleys.overhung and block is not None:
-            what, remedy = (
-                "the motor's shaft carries the pulley",
-                "remove it, or set input_pulleys.carried_by to bearings",
-            )
-            yield Broken((name,), f"{what}, whose frame has no place for it", "", f"no {name}", remedy)
-    if pulleys.overhung and design.transmission.cables != "continuous":
-        yield Broken(
-            ("transmission", "cables"),
-            "a pulley on the motor's shaft has no end faces for the stops of anchored cables",
-            design.transmission.cables,
-            "continuous",
-            "leave it out, or set input_pulleys.carried_by to bearings",
-        )
+        if block is not None:
+            what = f"{carried}, whose frame has no place for it"
+            yield Broken((name,), what, "", f"no {name}", f"remove it, {instead}")
+    if (cables := design.transmission.cables) != "continuous":
+        what = "a pulley on the motor's shaft has no end faces for the stops of anchored cables"
+        yield Broken(("transmission", "cables"), what, cables, "continuous", f"leave it out, {instead}")
 
 
 def broken_radius(block: SpurTransmission) -> Iterator[Broken]:

@@ -7,6 +7,7 @@ until no field changes; the first one starts with the values of a drive of mediu
 from collections.abc import Iterator
 from functools import partial
 from math import hypot
+from operator import methodcaller
 from typing import Any
 
 from mbcdm_cad.checks.design_variables import ALL_RADII
@@ -39,6 +40,7 @@ WALL_MM = 1.5
 REACH = 2.0
 # Bearings of a radius that is tried first, before their loads are known.
 _BEARING = "624"
+_HAS_IDLERS = methodcaller("has", "idlers")
 
 
 @rule(at.support.plate_mm, "usual thickness, or more for the screws of motor or motor head", "flange")
@@ -102,27 +104,22 @@ def _outer_face(given: basis.SpurKnown) -> Found:
     return given.moved(at.drum.outer_face_y_mm, 2.0, 0.1, checks)
 
 
-def _has_idlers(given: basis.SpurKnown) -> bool:
-    return given.peek("idlers") is not None
-
-
 def idler_guesses(given: basis.SpurKnown, drum_mm: float) -> dict[str, Any]:
     """Values of idlers that the first pass does not know yet; none for a design without idlers."""
-    if not _has_idlers(given):
-        return {}
-    return {
+    found = {
         "idlers.bearing": _BEARING,
         "idlers.radius_mm": 12.0,
         "idlers.width_mm": 20.0,
         "idlers.places": [{"x_mm": 14.0, "z_mm": 1.05 * drum_mm + 20.0}],
     }
+    return found if _HAS_IDLERS(given) else {}
 
 
 @rule(
     "idlers.radius_mm",
     "the limit of the bend ratio, a quarter more than the input's radius, or room for the bearing",
     "bend_ratio",
-    _has_idlers,
+    _HAS_IDLERS,
 )
 def radius(given: basis.SpurKnown) -> Found:
     """The limit of the bend ratio, a quarter more than the input, and room for the bearing."""
@@ -140,7 +137,7 @@ def radius(given: basis.SpurKnown) -> Found:
     "idlers.places",
     "one pair as near to the drum as its terminals allow, side by side; the cables pass between the two",
     "idler_room",
-    _has_idlers,
+    _HAS_IDLERS,
 )
 def places(given: basis.SpurKnown) -> Found:
     """One pair before the drum: the cables pass between the two, whose flanges leave a gap, and go on to the drum."""
@@ -157,7 +154,7 @@ def places(given: basis.SpurKnown) -> Found:
     "idlers.bearing",
     "the lightest that carries the pull of both spans and whose axle is strong enough",
     "idler_bearings",
-    _has_idlers,
+    _HAS_IDLERS,
 )
 def idler_bearing(given: basis.SpurKnown) -> Found:
     return given.first("idlers.bearing", by_mass(given, "bearings"), ("idler_bearings", "idler_axles"))
@@ -167,7 +164,7 @@ def idler_bearing(given: basis.SpurKnown) -> Found:
     "idlers.width_mm",
     "least land for the walk of the cable and its rise, and for two bearings",
     "idler_walk",
-    _has_idlers,
+    _HAS_IDLERS,
 )
 def width(given: basis.SpurKnown) -> Found:
     bearing = given.entry("bearings", "idlers.bearing")
@@ -188,10 +185,7 @@ FRAME = (
     head_dims.coupling_space,
     plate,
 )
-# The centre distance makes room for it.
-MOUNT = head_dims.mount_screw(MOUNT_BOLTS)
 DRUM = head_dims.drum_rules(_outer_face)
-IDLERS = (radius, places)
 WIDTH = (idler_bearing, width)
 
 
@@ -205,32 +199,30 @@ DERIVED = tuple(
 # Requirements, rope, train, radii, parts, frame, drum.
 RULES: tuple[Rule, ...] = (
     *LIMITS,
-    *basis.LAND_EDGE,
+    basis.land_edge,
     *METALS,
     *STAGE_RATIO,
     *FIRST,
     # With a ratio or radii given, motor and gearhead follow from the ratio; else the ratio from the motor.
     *TRAIN,
-    *basis.RATIO,
-    *basis.ROPE,
+    basis.ratio,
+    basis.thinnest_rope,
     *ROPE_LIMITS,
     basis.drum_radius,
-    *IDLERS,
-    *basis.PRELOAD,
+    radius,
+    places,
+    basis.least_preload,
     *PARTS,
     *STAGE,
     *FRAME,
     *basis.WINDING,
     *WIDTH,
     centre_distance,
-    MOUNT,
+    # The centre distance makes room for it.
+    head_dims.mount_screw(MOUNT_BOLTS),
     *DRUM,
     back,
 )
-
-
-def _whole(turns: Any, factor: float) -> Any:
-    return max(1, round(turns * factor))
 
 
 STIFFENERS = (*SHARED, *walls("plate", "bridge", "side_wall"))
@@ -241,7 +233,7 @@ FREEDOMS: tuple[Freedom, ...] = (
     *common_rules.PARTS,
     common_rules.SURFACE,
     Freedom(at.support.mount_screw, words=tuple(MOUNT_BOLTS)),
-    Freedom(at.transmission.turns, 0.7, 2.0, _whole),
+    Freedom(at.transmission.turns, 0.7, 2.0, lambda turns, factor: max(1, round(turns * factor))),
     Freedom(at.transmission.drum_radius_mm, 0.7, 2.0, mends=((ALL_RADII, 1),)),
     Freedom(at.transmission.input_to_drum, 0.7, 1.5),
     Freedom("stage.ratio", 0.5, 2.0),

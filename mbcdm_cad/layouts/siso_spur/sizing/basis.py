@@ -12,20 +12,12 @@ from mbcdm_cad.design.bought import Gearhead
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import SizingError
+from mbcdm_cad.layouts import head_basis
 from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.layouts.common_rules import least_bend_ratio, ropes_to_choose
-from mbcdm_cad.layouts.head_basis import (
-    PRELOAD_FACTOR,
-    counts_losses,
-    holding_N,
-    needed_ratio,
-    preload,
-    rope,
-    thinnest_rope_by,
-)
 from mbcdm_cad.layouts.head_parts import JOURNAL_MM
 from mbcdm_cad.layouts.siso_spur.drive import MOST_SECTOR_TRAVEL_DEG, PITCH_SPREAD
-from mbcdm_cad.layouts.siso_spur.first_stage import FirstStage, of_data
+from mbcdm_cad.layouts.siso_spur.first_stage import of_data
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.schema import MOST_TURNS, REFERENCE
 from mbcdm_cad.layouts.trial_sizing import TrialKnown, whole_turns
@@ -88,15 +80,9 @@ class SpurKnown(TrialKnown):
         return half is not None and bool(half > self.most_sector_travel_deg)
 
     @property
-    def first_stage(self) -> FirstStage | None:
-        """The first cable stage, None without; ``SizingError`` says what is wrong with its words."""
-        return of_data(self.get) if self.has("first_stage") else None
-
-    @property
     def gearhead(self) -> Gearhead:
         """See the base class; a first cable stage takes its place."""
-        first = self.first_stage
-        return super().gearhead if first is None else first.output
+        return of_data(self.get).output if self.has("first_stage") else super().gearhead
 
     @property
     def anchored(self) -> bool:
@@ -199,12 +185,13 @@ def _stops_mm(given: SpurKnown) -> float:
 
 def _usual_preload_N(given: SpurKnown, half_torque_N: float) -> float:
     if given.anchored:
-        return float(PRELOAD_FACTOR * half_torque_N)
+        return float(head_basis.PRELOAD_FACTOR * half_torque_N)
     margin = given.get(at.limits.slip_margin_min, SLIP_MARGIN)
     return float(PRELOAD_SPARE * margin * half_torque_N)
 
 
-def _rope(given: SpurKnown) -> Found:
+@head_basis.rope
+def thinnest_rope(given: SpurKnown) -> Found:
     """The thinnest rope; if the drum's radius is open, each rope is checked on the drum that follows from it.
 
     On an input that bends it too sharply, the thickest that bends there, if it holds with the least preload that is
@@ -221,14 +208,14 @@ def _rope(given: SpurKnown) -> Found:
         usual = preload_share * _usual_preload_N(given, share)
         return usual * (1.0 + given.parallel_spread) + share
 
-    found = thinnest_rope_by(given, tension_N)
+    found = head_basis.thinnest_rope_by(given, tension_N)
     if given.anchored or not given.has(at.transmission.drum_radius_mm):
         return found
     least = given.get(at.limits.bend_ratio_min) or least_bend_ratio(given)
     bending = [rope for rope in ropes_to_choose(given) if rope[0] * least <= 2.0 * given.input_mm]
     if bending and found.value not in [name for _, name, _ in bending]:
         _, thickest, breaking = bending[-1]
-        if holding_N(given, partial(tension_N, preload_share=PRELOAD_SHARES[-1]), bending[-1]) <= breaking:
+        if head_basis.holding_N(given, partial(tension_N, preload_share=PRELOAD_SHARES[-1]), bending[-1]) <= breaking:
             return Found(thickest, "bend_ratio", "thickest that bends on the input; less preload")
     return found
 
@@ -238,7 +225,7 @@ def _rope(given: SpurKnown) -> Found:
     "least preload for the slip margin at peak torque; with anchored cables twice the one that keeps them taut",
     "input_slip",
 )
-def _preload(given: SpurKnown) -> Found:
+def least_preload(given: SpurKnown) -> Found:
     """The usual preload, or less, as long as friction still holds the cable.
 
     Less if the ends of a stated rope cannot carry it, or if losses count and bending so tight a rope takes too much of
@@ -247,10 +234,10 @@ def _preload(given: SpurKnown) -> Found:
     driver = "no_slack" if given.anchored else "input_slip"
     wanted = _usual_preload_N(given, given.half_torque_N)
     if given.anchored:
-        return preload(given, wanted, driver)
-    usual = preload(given, wanted, driver)
+        return head_basis.preload(given, wanted, driver)
+    usual = head_basis.preload(given, wanted, driver)
     tried = sorted({float(f"{share * usual.value:.2g}") for share in PRELOAD_SHARES}, reverse=True)
-    counted = ("motor_torque_forward", "motor_torque_back") if counts_losses(given) else ()
+    counted = ("motor_torque_forward", "motor_torque_back") if head_basis.counts_losses(given) else ()
     easy = () if given.get(at.loads.backdrive_Nm) is None else ("backdrive",)
     shaft = ("motor_shaft_load",) if given.overhung else ()
     found = given.first(at.rope.preload_N, tried, ("cable_ends", "tension", *counted, *easy, *shaft))
@@ -293,17 +280,13 @@ def lead(given: SpurKnown) -> Found:
     return given.moved(at.rope.helix_lead_mm, 1.02 * given.d_mm, step, checks)
 
 
-LAND_EDGE = (constant(at.clearances.land_edge_mm, 0.3, "a broken edge and the run-out of the cutter", "rim_width"),)
+land_edge = constant(at.clearances.land_edge_mm, 0.3, "a broken edge and the run-out of the cutter", "rim_width")
 NAMES = (constant("inputs", REFERENCE.inputs, "one", "the configuration"), cables)
-RATIO = (
-    Rule(
-        at.transmission.input_to_drum,
-        "the least with which the motor's continuous torque gives the peak torque",
-        "motor_torque_forward",
-        needed_ratio,
-        applies=lambda given: not given.has(at.transmission.input_radius_mm),
-    ),
+ratio = Rule(
+    at.transmission.input_to_drum,
+    "the least with which the motor's continuous torque gives the peak torque",
+    "motor_torque_forward",
+    head_basis.needed_ratio,
+    applies=lambda given: not given.has(at.transmission.input_radius_mm),
 )
-ROPE = (rope(_rope),)
-PRELOAD = (_preload,)
 WINDING = (lead, turns)

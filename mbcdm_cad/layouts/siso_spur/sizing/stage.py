@@ -4,6 +4,7 @@ import copy
 from collections.abc import Callable
 from dataclasses import replace
 from math import ceil, pi
+from operator import methodcaller
 from typing import Any
 
 from mbcdm_cad.checks.transfer import wrap_left
@@ -14,7 +15,7 @@ from mbcdm_cad.design.sized import SizedValue, Sizing, SizingError
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.head_basis import counts_losses, gearhead_output_mNm, input_needs_mNm, stage_force_N
 from mbcdm_cad.layouts.siso_spur.checks.stage import RATIO_SHARE, TOOTH_SHARE, lewis_factor, motor_beside_mm
-from mbcdm_cad.layouts.siso_spur.first_stage import gearhead_word, last_ratio, split_ratio
+from mbcdm_cad.layouts.siso_spur.first_stage import gearhead_word, last_ratio, of_data, split_ratio
 from mbcdm_cad.layouts.siso_spur.sizing.basis import SpurKnown
 from mbcdm_cad.sizing.rule import Found, rounded_up, rule
 
@@ -26,6 +27,12 @@ GEAR_WIDTH, GEAR_WIDTH_MOST = 6.0, 12.0
 SCREWS_TURNED_DEG = {3: 180.0, 4: 45.0}
 # Numbers of teeth of the driver that are tried beyond the least, and belts longer than the shortest.
 MORE_TEETH, MORE_BELTS = 25, 60
+# What a file asks for.
+_HAS_STAGE, _HAS_FIRST_STAGE = methodcaller("has", "stage.kind"), methodcaller("has", "first_stage")
+
+
+def _is(kind: str) -> Callable[[SpurKnown], bool]:
+    return lambda given: bool(given.peek("stage.kind") == kind)
 
 
 def _force_N(given: SpurKnown, pitch_mm: float) -> float:
@@ -33,26 +40,13 @@ def _force_N(given: SpurKnown, pitch_mm: float) -> float:
     return stage_force_N(given, float(given.input_peak_Nm) * 1e3 / given.ratio, pitch_mm)
 
 
-def has_stage(given: SpurKnown) -> bool:
-    """Whether the file asks for a stage."""
-    return given.has("stage.kind")
-
-
-def _has_belt(given: SpurKnown) -> bool:
-    return bool(given.peek("stage.kind") == "belt")
-
-
-def _has_gears(given: SpurKnown) -> bool:
-    return bool(given.peek("stage.kind") == "gears")
-
-
-@rule("stage.belt", "the finest belt that carries the input's torque", "stage_strength", _has_belt)
+@rule("stage.belt", "the finest belt that carries the input's torque", "stage_strength", _is("belt"))
 def _belt(given: SpurKnown) -> Found:
     name = stage.carrying_belt(lambda pitch: _force_N(given, pitch), given.get("stage.width_mm"))
     return Found(name, "stage_strength", "next size")
 
 
-@rule("stage.module_mm", "the finest gears that carry it", "stage_strength", _has_gears)
+@rule("stage.module_mm", "the finest gears that carry it", "stage_strength", _is("gears"))
 def _module(given: SpurKnown) -> Found:
     allowed = TOOTH_SHARE * given.entries("materials")["steel"]["yield_MPa"]
     form = lewis_factor(given.get("stage.driver_teeth") or stage.LEAST_TEETH["gears"])
@@ -68,7 +62,7 @@ def _module(given: SpurKnown) -> Found:
     "stage.driver_teeth",
     "the fewest that give the ratio, go round the shaft and spare it; gears: that leave room for a key",
     "stage_ratio",
-    has_stage,
+    _HAS_STAGE,
 )
 def teeth(given: SpurKnown) -> Found:
     """The fewest that give the ratio, and a driver that its shaft fits; gears also keep their axes far enough apart."""
@@ -86,7 +80,7 @@ def teeth(given: SpurKnown) -> Found:
     return given.first("stage.driver_teeth", wanted, (*room, "stage_shaft"))
 
 
-@rule("stage.width_mm", "the narrowest that carries the input's torque", "stage_strength", has_stage)
+@rule("stage.width_mm", "the narrowest that carries the input's torque", "stage_strength", _HAS_STAGE)
 def _width(given: SpurKnown) -> Found:
     if given["stage.kind"] == "belt":
         return given.first("stage.width_mm", stage.BELTS[given["stage.belt"]].widths_mm, ("stage_strength",))
@@ -96,7 +90,7 @@ def _width(given: SpurKnown) -> Found:
     return given.first("stage.width_mm", widths, ("stage_strength", "stage_bond", "shaft_grip"))
 
 
-@rule("stage.belt_teeth", "the shortest belt that leaves room for wheels, clamp and screws", "stage_room", _has_belt)
+@rule("stage.belt_teeth", "the shortest belt that leaves room for wheels, clamp and screws", "stage_room", _is("belt"))
 def belt_teeth(given: SpurKnown) -> Found:
     """The shortest belt with which wheels, clamp and key have room and enough teeth mesh."""
     belt, driver = stage.BELTS[given["stage.belt"]], given["stage.driver_teeth"]
@@ -106,7 +100,7 @@ def belt_teeth(given: SpurKnown) -> Found:
     return given.first("stage.belt_teeth", range(shortest, shortest + MORE_BELTS), checks)
 
 
-@rule(at.drive.gearhead_angle_deg, "turned so that a key reaches its screws beside the belt", "stage_key", _has_belt)
+@rule(at.drive.gearhead_angle_deg, "turned so that a key reaches its screws beside the belt", "stage_key", _is("belt"))
 def turn(given: SpurKnown) -> float:
     """One screw between the spans, one beyond the driver, the others beside them."""
     return SCREWS_TURNED_DEG.get(given.gearhead.screw_count, 0.0)
@@ -116,7 +110,7 @@ def turn(given: SpurKnown) -> float:
     "stage.ratio",
     "the least with which a stated motor holds the peak torque; else the usual ratio of one pair of wheels",
     "motor_torque_forward",
-    has_stage,
+    _HAS_STAGE,
 )
 def _ratio(given: SpurKnown) -> Found:
     """Of a stated motor and gearhead: the least with which they hold the peak torque; else the usual one."""
@@ -148,16 +142,11 @@ DISTANCE, RADIUS = "centre_distance_mm", "drum_radius_mm"
 _TEXT = "the least at which the motor of the first stage clears the frame of the second"
 
 
-def has_first_stage(given: SpurKnown) -> bool:
-    """Whether the file asks for one."""
-    return given.has("first_stage")
-
-
 @rule(
     "transmission.input_to_drum",
     "the root of the whole ratio, or less where the first drum would turn too far",
     "first_stage.total_ratio",
-    lambda given: has_first_stage(given) and not given.has("transmission.input_radius_mm"),
+    lambda given: given.has("first_stage") and not given.has("transmission.input_radius_mm"),
 )
 def _last(given: SpurKnown) -> Found:
     return Found(split_ratio(given.get), "", "up to 0.05, down where the first drum would turn too far")
@@ -175,18 +164,14 @@ def _first(given: SpurKnown) -> float:
     return float(given["first_stage.total_ratio"]) / last
 
 
-@rule("drive.motor", "that of the first stage", "first_stage", has_first_stage)
+@rule("drive.motor", "that of the first stage", "first_stage", _HAS_FIRST_STAGE)
 def motor(given: SpurKnown) -> str:
-    first = given.first_stage
-    assert first is not None
-    return first.drive.motor.name
+    return of_data(given.get).drive.motor.name
 
 
-@rule("drive.gearhead", "that of the first stage", "first_stage", has_first_stage)
+@rule("drive.gearhead", "that of the first stage", "first_stage", _HAS_FIRST_STAGE)
 def gearhead(given: SpurKnown) -> str:
-    first = given.first_stage
-    assert first is not None
-    return gearhead_word(first.drive)
+    return gearhead_word(of_data(given.get).drive)
 
 
 FIRST = (_last, _first, motor, gearhead)

@@ -23,20 +23,7 @@ from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.pulley import MotorSeat
 from mbcdm_cad.layouts.siso_spur.support.parts import motor_seat
 from mbcdm_cad.layouts.structure import elastic, one_input_loads
-from mbcdm_cad.model.plate_mesh import (
-    URAD_PER_MRAD,
-    Hole,
-    Mounts,
-    PlateMesh,
-    Wall,
-    X,
-    Y,
-    Z,
-    centred_load,
-    plate_mesh,
-    pulled,
-    shares_urad,
-)
+from mbcdm_cad.model import plate_mesh as pm
 from mbcdm_cad.model.si import MM
 from mbcdm_cad.model.stiffness import unit_tensions_N
 from mbcdm_cad.model.structure.causes import BossRing
@@ -63,7 +50,7 @@ class Arm:
         return panel if self.way > 0 or panel == "plate" else f"{panel} below"
 
 
-def walls(arms: Sequence[Arm]) -> list[Wall]:
+def walls(arms: Sequence[Arm]) -> list[pm.Wall]:
     """The walls of the half x >= 0."""
     v, f = arms[0].layout.levels, arms[0].layout.frame
     y_plate, plate_t = (v.plate_back_y + v.front_y) / 2, v.front_y - v.plate_back_y
@@ -71,30 +58,30 @@ def walls(arms: Sequence[Arm]) -> list[Wall]:
     # Where the plate ends at the bridge its panel ends in the middle of the bridge, else at its own edge.
     top = f.plate_top_z if f.plate_top_z > f.top_z else z_bridge
     ends = sorted([arm.way * top for arm in arms])
-    plate = Wall(
+    plate = pm.Wall(
         "plate",
-        Y,
+        pm.Y,
         y_plate,
         ((0.0, f.half_width), (min(ends[0], -f.boss.radius), ends[-1])),
         plate_t,
         tuple(_opening(arm, plate_t) for arm in arms),
-        embedded=((Z, -f.boss.radius, f.boss.radius),),
+        embedded=((pm.Z, -f.boss.radius, f.boss.radius),),
     )
     return [plate, *(wall for arm in arms for wall in _yoke(arm, y_plate, z_bridge))]
 
 
-def _opening(arm: Arm, plate_mm: float) -> Hole:
+def _opening(arm: Arm, plate_mm: float) -> pm.Hole:
     """Metal that the plate lacks round the input's axis, or in the window for a servo."""
     f, way = arm.layout.frame, arm.way
     if f.motor is None:
-        return Hole(0.0, way * f.axis_z, pi * f.opening_radius**2 * plate_mm)
+        return pm.Hole(0.0, way * f.axis_z, pi * f.opening_radius**2 * plate_mm)
     if f.motor.window is None:
-        return Hole(0.0, way * f.axis_z, sum(taken.volume_mm3() for taken in motor_seat(f, f.motor)))
+        return pm.Hole(0.0, way * f.axis_z, sum(taken.volume_mm3() for taken in motor_seat(f, f.motor)))
     half, low, high = f.motor.window
-    return Hole(0.0, way * (low + high) / 2, 2 * half * (high - low) * plate_mm, (high - low) / (2 * half))
+    return pm.Hole(0.0, way * (low + high) / 2, 2 * half * (high - low) * plate_mm, (high - low) / (2 * half))
 
 
-def _window_ends(mesh: PlateMesh, arm: Arm, seat: MotorSeat) -> Ints:
+def _window_ends(mesh: pm.PlateMesh, arm: Arm, seat: MotorSeat) -> Ints:
     """Nodes of the plate round the screws of a servo's ears, at both ends of its window."""
     assert seat.window is not None
     half, low, high = seat.window
@@ -104,7 +91,7 @@ def _window_ends(mesh: PlateMesh, arm: Arm, seat: MotorSeat) -> Ints:
     )
 
 
-def _yoke(arm: Arm, y_plate: float, z_bridge: float) -> Iterator[Wall]:
+def _yoke(arm: Arm, y_plate: float, z_bridge: float) -> Iterator[pm.Wall]:
     v, f, way = arm.layout.levels, arm.layout.frame, arm.way
     if f.motor is not None:
         return
@@ -115,21 +102,21 @@ def _yoke(arm: Arm, y_plate: float, z_bridge: float) -> Iterator[Wall]:
     low, high = sorted((way * f.shelf_bottom_z, way * z_bridge))
     thick = f.top_z - f.bridge_bottom_z
     root = ROOT * thick
-    ends = ((Y, y_plate, v.front_y - root), (Y, v.top_plate_bottom_z + root, y_shelf))
+    ends = ((pm.Y, y_plate, v.front_y - root), (pm.Y, v.top_plate_bottom_z + root, y_shelf))
     yield from _head(arm, y_plate)
-    yield Wall(arm.of("bridge"), Z, way * z_bridge, (wide, (y_plate, y_shelf)), thick, embedded=ends)
-    hole, under = Hole(0.0, way * f.axis_z, seat), sorted((way * f.bridge_bottom_z, way * z_bridge))
-    in_bridge = ((Z, under[0], under[1]),)
-    yield Wall(arm.of("encoder shelf"), Y, y_shelf, (wide, (low, high)), shelf, (hole,), embedded=in_bridge)
+    yield pm.Wall(arm.of("bridge"), pm.Z, way * z_bridge, (wide, (y_plate, y_shelf)), thick, embedded=ends)
+    hole, under = pm.Hole(0.0, way * f.axis_z, seat), sorted((way * f.bridge_bottom_z, way * z_bridge))
+    in_bridge = ((pm.Z, under[0], under[1]),)
+    yield pm.Wall(arm.of("encoder shelf"), pm.Y, y_shelf, (wide, (low, high)), shelf, (hole,), embedded=in_bridge)
     for n, stand in enumerate(f.stands, 1):
         y_strap, z_post = (stand.strap_back_y + stand.strap_front_y) / 2, sum(stand.post_z) / 2
         post, strap = stand.post_z[1] - stand.post_z[0], stand.strap_front_y - stand.strap_back_y
-        yield Wall(arm.of(f"idlers' posts {n}"), Z, way * z_post, (stand.post_x, (y_plate, y_strap)), post)
+        yield pm.Wall(arm.of(f"idlers' posts {n}"), pm.Z, way * z_post, (stand.post_x, (y_plate, y_strap)), post)
         low, high = sorted((way * stand.low_z, way * z_post))
-        yield Wall(arm.of(f"idlers' strap {n}"), Y, y_strap, ((0.0, stand.half_width), (low, high)), strap)
+        yield pm.Wall(arm.of(f"idlers' strap {n}"), pm.Y, y_strap, ((0.0, stand.half_width), (low, high)), strap)
 
 
-def _head(arm: Arm, y_plate: float) -> Iterator[Wall]:
+def _head(arm: Arm, y_plate: float) -> Iterator[pm.Wall]:
     """The motor head behind the plate: its flange lies on the plate and bridges the opening."""
     v, f, h, way = arm.layout.levels, arm.layout.frame, arm.layout.head, arm.way
     flange_t, walls_t, shelf_t = h.flange_top_z - h.bottom_z, h.outer_x - h.inner_x, h.top_z - h.shelf_bottom_z
@@ -140,16 +127,16 @@ def _head(arm: Arm, y_plate: float) -> Iterator[Wall]:
         return first, second
 
     back = h.back_y + walls_t / 2
-    inside = ((Y, v.plate_back_y - flange_t, y_plate), (Y, y_shelf, v.motor_shelf_top_z))
+    inside = ((pm.Y, v.plate_back_y - flange_t, y_plate), (pm.Y, y_shelf, v.motor_shelf_top_z))
     wide, deep, tall = (0.0, x_wall), (y_shelf, y_plate), high(back, h.front_y)
-    pilot = Hole(0.0, way * f.axis_z, pi * h.pilot_radius**2 * shelf_t)
+    pilot = pm.Hole(0.0, way * f.axis_z, pi * h.pilot_radius**2 * shelf_t)
     flange = (0.0, h.flange.half_x), high(h.flange.back_y, h.flange.front_y)
     depth = min(h.seat_depth, flange_t)
-    bore = Hole(0.0, way * f.axis_z, pi * (h.seat_radius**2 * depth + h.shoulder_radius**2 * (flange_t - depth)))
-    yield Wall(arm.of("motor head's flange"), Y, y_plate, flange, flange_t, (bore,))
-    yield Wall(arm.of("motor head's walls"), X, x_wall, (deep, tall), walls_t, embedded=inside)
-    yield Wall(arm.of("motor head's back"), Z, way * (f.axis_z + back), (wide, deep), walls_t, embedded=inside)
-    yield Wall(arm.of("motor shelf"), Y, y_shelf, (wide, tall), shelf_t, (pilot,))
+    bore = pm.Hole(0.0, way * f.axis_z, pi * (h.seat_radius**2 * depth + h.shoulder_radius**2 * (flange_t - depth)))
+    yield pm.Wall(arm.of("motor head's flange"), pm.Y, y_plate, flange, flange_t, (bore,))
+    yield pm.Wall(arm.of("motor head's walls"), pm.X, x_wall, (deep, tall), walls_t, embedded=inside)
+    yield pm.Wall(arm.of("motor head's back"), pm.Z, way * (f.axis_z + back), (wide, deep), walls_t, embedded=inside)
+    yield pm.Wall(arm.of("motor shelf"), pm.Y, y_shelf, (wide, tall), shelf_t, (pilot,))
 
 
 def seat_forces(layout: SpurLayout, tension_N: Floats) -> list[tuple[str, tuple[float, float, float], float, float]]:
@@ -237,26 +224,26 @@ def _arms_urad_Nm(arms: Sequence[Arm], share: float) -> dict[str, float]:
                 nodes = _window_ends(mesh, arm, f.motor)
             else:
                 nodes = mesh.near(arm.of(panel), point, (reach, 1e3, reach))
-            load = centred_load(mesh, nodes, np.array(point), arm.way * force_x, couple_y=couple_y)
+            load = pm.centred_load(mesh, nodes, np.array(point), arm.way * force_x, couple_y=couple_y)
             total[nodes, :3] += load
-    shares = shares_urad(mesh, material, total.ravel(), held.springs(mesh, material))
+    shares = pm.shares_urad(mesh, material, total.ravel(), held.springs(mesh, material))
     # The ring round the drum's bearings, as high as boss and plate are on the average.
     boss = f.boss
     outer = (boss.radius + max(f.half_width, boss.radius)) / 2
     ring = BossRing(boss.seat_radius, outer, outer, boss.encoder_pocket_floor_y, boss.front_y)
     at, force = (np.array(tuple(values)) for values in (on_boss.keys(), on_boss.values()))
-    shares["boss ring"] = ring.work_Nmm(at, force, elastic(material)) * URAD_PER_MRAD
+    shares["boss ring"] = ring.work_Nmm(at, force, elastic(material)) * pm.URAD_PER_MRAD
     return shares
 
 
-def _mesh(arms: Sequence[Arm]) -> tuple[PlateMesh, Mounts]:
+def _mesh(arms: Sequence[Arm]) -> tuple[pm.PlateMesh, pm.Mounts]:
     first = arms[0].layout
     f, v, screw = first.frame, first.levels, first.drive.screw(first.drive.support.mount_bolt)
     places = [(arm.way * x, arm.way * z) for arm in arms for x, z in f.mounts]
-    held = Mounts(
+    held = pm.Mounts(
         places, screw.head_diameter_mm / 2, f.mount_radius, v.front_y - v.plate_back_y, (v.plate_back_y + v.front_y) / 2
     )
-    return plate_mesh(walls(arms), held), held
+    return pm.plate_mesh(walls(arms), held), held
 
 
 def out_of_line_mrad(layout: SpurLayout, lower_N: float, upper_N: float) -> tuple[float, float]:
@@ -271,8 +258,8 @@ def out_of_line_mrad(layout: SpurLayout, lower_N: float, upper_N: float) -> tupl
     for panel, y, force in zip(("motor head's flange", "encoder shelf"), ends, (lower_N, upper_N), strict=True):
         point = np.array([0.0, y, f.axis_z])
         seats.append(mesh.near(panel, tuple(point), (reach, 1e3, reach)))
-        load[seats[-1], :3] += centred_load(mesh, seats[-1], point, 0.0, force_z=-force)
-    moved = pulled(mesh, layout.drive.frame_material, load.ravel(), held.springs(mesh, layout.drive.frame_material))
+        load[seats[-1], :3] += pm.centred_load(mesh, seats[-1], point, 0.0, force_z=-force)
+    moved = pm.pulled(mesh, layout.drive.frame_material, load.ravel(), held.springs(mesh, layout.drive.frame_material))
     lower, upper = (moved[nodes].mean(axis=0) for nodes in seats)
     tilt = (upper[2] - lower[2]) / (ends[1] - ends[0])
     return abs(float(lower[3] - tilt)) * 1e3, abs(float(upper[3] - tilt)) * 1e3
