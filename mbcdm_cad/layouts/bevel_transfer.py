@@ -3,7 +3,7 @@
 The transfer point of a cable is (0, r, r_o), r its radius on the body before the drum.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from math import asin, atan2, ceil, cos, degrees, floor, hypot, sin, sqrt, tau
@@ -12,12 +12,15 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Check, Comparison, Findings, at_least, at_most, check, worst
+from mbcdm_cad.checks.geometry import rim_points, wrap_points
 from mbcdm_cad.checks.ratios import SURFACE_TOLERANCE_MM
+from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.checks.transfer import MORE_WRAP, SLIPS, WRAPS, Stacks, TransferStacks, stack_check
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.model.tensioning import TensionedCable
 from mbcdm_cad.model.tolerance import tightest
+from mbcdm_cad.parts.bodies import RING_ENCODER_FLATS
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.terminal import Tensioner, highest_preload_N
 from mbcdm_cad.routes.curves import Arc, CablePath, EndOfTravel, Line, Piece, triple
@@ -181,3 +184,24 @@ def transfer_stacks(of: TransferStacks) -> tuple[Check, ...]:
         ),
         toleranced("land_edge", "Contact lines stay on their lands", of.land_edge, f"raise {edge}, or lower {gap},"),
     )
+
+
+def bevel_box_mm(
+    s: SectorLayout, half_x: float, heights: tuple[float, float], depths: Iterable[float]
+) -> tuple[float, float, float]:
+    """Box (X, Z, Y) of the drum centred with its terminals, of boss and walls, and of the rest by what it reaches; mm.
+
+    ``half_x``: to both sides, ``heights``: lowest and highest, ``depths``: along y.
+    """
+    d, v, boss, encoder = s.drum, s.levels, s.frame.boss, s.drive.drum_encoder.diameter_mm / 2
+    points, ys = [rim_points(d), wrap_points(d, s.flank_mm)], [*depths, v.back_y, v.hub_face_y]
+    ys += [d.lands[-1].y_end, d.web_end_y + 0.5]
+    for t in d.tensioners:
+        for _, outline, _, high in bodies_of(s, t, moved=False):
+            points.append(outline)
+            ys.append(high)
+    (left, low), (right, top) = (of(np.concatenate(points), axis=0).tolist() for of in (np.min, np.max))
+    wide = max(half_x, s.frame.levels.side_outer_x, boss.ear_reach, encoder)
+    bottom = min(low, heights[0], -boss.radius, -d.hub_radius, -encoder * RING_ENCODER_FLATS)
+    highest = max(top, heights[1], s.steps[-1].drum_radius_mm + s.flank_mm)
+    return max(right, wide) - min(left, -wide), highest - bottom, max(ys) - min(ys)

@@ -166,63 +166,6 @@ def duty_of(given: KnownFields) -> Duty:
     return of_rows(block.rows, block.period_s or DEFAULT_PERIOD_S, travel, ambient)
 
 
-def speed_margin(
-    given: KnownFields, motor: Mapping[str, Any], gear_ratio: float, input_to_drum: float, torque_mNm: float
-) -> float:
-    """Speed of the drum that a motor reaches with a torque on its shaft over that asked for, less 1.
-
-    Infinite where none is asked for, -1 for a motor without electrical values.
-    """
-    wanted = given.get("loads.speed_deg_s")
-    if wanted is None:
-        return inf
-    constant, ohms = motor.get("torque_constant_mNm_A"), motor.get("resistance_ohm")
-    volts = given.get("drive.bus_voltage_V") or motor.get("voltage_V")
-    if constant is None or ohms is None or volts is None:
-        return -1.0
-    turns = gear_ratio * stage_gain(given)[0] * input_to_drum
-    reached = max(volts - ohms * torque_mNm / constant, 0.0) / (constant * 1e-3) / turns
-    return float(reached * 180.0 / pi / wanted - 1.0)
-
-
-def heat_margin(
-    given: KnownFields, motor: Mapping[str, Any], head: Mapping[str, Any] | None, moving_mNm: float, still_mNm: float
-) -> float:
-    """Rise of the winding that a motor stands over that of the stated duty, less 1; infinite without a stated duty.
-
-    ``moving_mNm``, ``still_mNm``: of one input at the peak torque, with losses and without. Moving against the load
-    counts for both ways. Files that count no losses are not sized by it.
-    """
-    if not counts_losses(given) or not has_rows(given):
-        return inf
-    duty, heat = duty_of(given), motor_heat(Motor(name="", **motor))
-    share = np.abs(duty.torque_Nm) / float(given["loads.peak_torque_Nm"])
-    moving = moving_mNm / output_mNm(given, motor, head) * float(motor["rated_torque_mNm"])
-    turns = (1.0 if head is None else float(head["ratio"])) * stage_gain(given)[0]
-    still = still_mNm / turns / (STANDSTILL_SHARE if heat.brushless else 1.0)
-    torque = share * np.where(duty.speed_deg_s == 0.0, still, moving) * 1e-3
-    found = heat.repeated(duty.time_s, torque, duty.ambient_C)
-    if found is None or heat.limit_C <= duty.ambient_C:
-        return -1.0
-    return (heat.limit_C - duty.ambient_C) / max(found.hottest_winding_C - duty.ambient_C, 1e-6) - 1.0
-
-
-def turns_back_Nm(motor: Mapping[str, Any], head: Mapping[str, Any] | None, input_to_drum: float, inputs: int) -> float:
-    """Torque at the drum that turns gearheads and motors without current; infinite where the gearheads lock."""
-    idle = motor_idle_mNm(float(motor["rated_torque_mNm"]), Motor(name="", **motor).idle_torque_mNm)
-    at = (1.0, 1.0, 0.0) if head is None else (head["ratio"], head["efficiency"], head["rated_torque_mNm"])
-    return inputs * input_to_drum * turned_back_mNm(idle, *at) * 1e-3
-
-
-def backdrive_margin(given: KnownFields, turns_back_Nm: float, cables_Nm: float) -> float:
-    """Torque at the drum that may be needed to turn it over the one that is, less 1; infinite where none is asked for.
-
-    ``turns_back_Nm``: for gearheads and motors, ``cables_Nm``: to start cables and bearings.
-    """
-    wanted = given.get("loads.backdrive_Nm")
-    return inf if wanted is None else float(wanted / (turns_back_Nm + cables_Nm) - 1.0)
-
-
 def _turning_cables_Nm(given: TrialKnown) -> float:
     """Torque at the drum that starts cables and bearings, of the drive of the pass before; 0 in the first pass."""
     if not given.drives.passes:
@@ -240,28 +183,57 @@ def _ratio_with(given: TrialKnown, motor: Mapping[str, Any], head: Mapping[str, 
 
 
 def _easy(given: TrialKnown, motor: Mapping[str, Any], head: Mapping[str, Any] | None) -> float:
-    """Margin of a motor that the drum must turn; an open ratio is the least that holds."""
-    if given.get("loads.backdrive_Nm") is None:
+    """Torque at the drum that may be needed to turn it over the one that is, less 1; infinite where none is asked for.
+
+    The drum turns gearheads and motors without current, cables and bearings; an open ratio is the least that holds.
+    """
+    wanted = given.get("loads.backdrive_Nm")
+    if wanted is None:
         return inf
-    ratio = _ratio_with(given, motor, head)
-    turned = turns_back_Nm(motor, head, ratio * stage_gain(given)[0], max(1, len(given.get("inputs", ()))))
-    return backdrive_margin(given, turned, _turning_cables_Nm(given))
+    turns = _ratio_with(given, motor, head) * stage_gain(given)[0]
+    idle = motor_idle_mNm(float(motor["rated_torque_mNm"]), Motor(name="", **motor).idle_torque_mNm)
+    gears = (1.0, 1.0, 0.0) if head is None else (head["ratio"], head["efficiency"], head["rated_torque_mNm"])
+    turned = max(1, len(given.get("inputs", ()))) * turns * turned_back_mNm(idle, *gears) * 1e-3
+    return float(wanted / (turned + _turning_cables_Nm(given)) - 1.0)
 
 
 def _is_cool(given: TrialKnown, motor: Mapping[str, Any], head: Mapping[str, Any] | None) -> bool:
-    """Whether a motor stands the stated duty; an open ratio is the least that holds."""
+    """Whether a motor stands the stated duty, in files that count losses; an open ratio is the least that holds.
+
+    Moving against the load counts for both ways.
+    """
     ratio = _ratio_with(given, motor, head)
-    moving, still = input_needs_mNm(given) / ratio, given.input_peak_Nm * 1e3 / ratio
-    return heat_margin(given, motor, head, HEAT_SPARE * moving, HEAT_SPARE * still) >= 0.0
+    moving, still = (HEAT_SPARE * (mNm / ratio) for mNm in (input_needs_mNm(given), given.input_peak_Nm * 1e3))
+    if not counts_losses(given) or not has_rows(given):
+        return True
+    duty, heat = duty_of(given), motor_heat(Motor(name="", **motor))
+    share = np.abs(duty.torque_Nm) / float(given["loads.peak_torque_Nm"])
+    moving = moving / output_mNm(given, motor, head) * float(motor["rated_torque_mNm"])
+    turns = (1.0 if head is None else float(head["ratio"])) * stage_gain(given)[0]
+    still = still / turns / (STANDSTILL_SHARE if heat.brushless else 1.0)
+    torque = share * np.where(duty.speed_deg_s == 0.0, still, moving) * 1e-3
+    found = heat.repeated(duty.time_s, torque, duty.ambient_C)
+    return found is not None and heat.limit_C > duty.ambient_C and found.hottest_winding_C <= heat.limit_C
 
 
 def _is_fast(given: TrialKnown, motor: Mapping[str, Any], head: Mapping[str, Any] | None, needed_mNm: float) -> bool:
-    """Whether a motor turns the drum fast enough under the load that lasts; an open ratio is the least that holds."""
+    """Whether a motor turns the drum fast enough under the load that lasts; an open ratio is the least that holds.
+
+    One without electrical values does not, where the file asks for a speed.
+    """
     holds = output_mNm(given, motor, head)
     ratio = _ratio_with(given, motor, head)
     load = (lasting_share(given) or 1.0) * (needed_mNm if given.has_ratio else holds)
-    torque = min(load / holds, 1.0) * motor["rated_torque_mNm"]
-    return speed_margin(given, motor, 1.0 if head is None else head["ratio"], ratio, torque) >= 0.0
+    torque_mNm, wanted = min(load / holds, 1.0) * motor["rated_torque_mNm"], given.get("loads.speed_deg_s")
+    if wanted is None:
+        return True
+    constant, ohms = motor.get("torque_constant_mNm_A"), motor.get("resistance_ohm")
+    volts = given.get("drive.bus_voltage_V") or motor.get("voltage_V")
+    if constant is None or ohms is None or volts is None:
+        return False
+    turns = (1.0 if head is None else head["ratio"]) * stage_gain(given)[0] * ratio
+    reached = max(volts - ohms * torque_mNm / constant, 0.0) / (constant * 1e-3) / turns
+    return bool(reached * 180.0 / pi / wanted >= 1.0)
 
 
 @rule(

@@ -104,7 +104,7 @@ def structure_with(layout: SectorLayout, drum: DrumStructure) -> Structure:
     causes = [
         *_gearheads(layout, torques),
         *_stage(layout, torques),
-        *(_overhung if layout.drive.overhung else _inputs)(layout, unit, torques),
+        *_inputs(layout, unit, torques),
         *(cause for each in layout.attachments for cause in each.structure(unit)),
         *drum.causes,
         *_drum_shaft(layout, unit),
@@ -313,52 +313,40 @@ def _stage(layout: SectorLayout, torques_Nm: Floats) -> Iterator[Cause]:
 
 
 def _inputs(layout: SectorLayout, unit: Floats, torques_Nm: Floats) -> Iterator[Cause]:
-    """Torsion of the input pulleys from the coupling to their cables, their bending, and their bearings."""
-    d, bearings, sense = layout.loads.si, layout.drive.bearings, layout.levels_sense
-    material = elastic(layout.drive.pulley_material)
+    """Torsion of the input pulleys from the coupling to their cables, their bending, and their bearings.
+
+    Of pulleys on the motors' shafts those of the shafts with the pulleys on them, from their front bearings on.
+    """
+    d, drive, sense, overhung = layout.loads.si, layout.drive, layout.levels_sense, layout.drive.overhung
+    material = elastic(drive.material("steel") if overhung else drive.pulley_material)
+    specs = drive.bearings.input_lower, drive.bearings.input_upper
     twist = bend = give = 0.0
     for i, (pulley, torque) in enumerate(zip(layout.inputs, torques_Nm, strict=True)):
         route, supports = d.routes.inputs[i], layout.input_bearings_mm(i)
         axis = sense * np.array(route.axis)
-        sections = pulley_sections(pulley)
-        start, middle = layout.collar.top_z, (pulley.land_bottom_z + pulley.land_top_z) / 2.0
+        if overhung:
+            sections, start, pulls = _shaft_sections(layout, i), supports[1], [unit]
+        else:
+            sections, start = pulley_sections(pulley), layout.collar.top_z
+            # Each cable bends the pulley at its own height.
+            pulls = [unit * (np.arange(d.n_cables) == j) for j in range(d.n_cables) if d.input_of[j] == i]
+        middle = (pulley.land_bottom_z + pulley.land_top_z) / 2.0
         twisted = [replace(s, start_mm=max(s.start_mm, start), end_mm=min(s.end_mm, middle)) for s in sections]
         carrying = [s for s in twisted if s.end_mm > s.start_mm]
-        twist += torsion_urad_Nm(float(torque) * 1e3, carrying, material.shear_MPa, collar=True)
-        loads = [
-            _acting(body_load(d.routes, route.name, unit * (np.arange(d.n_cables) == j)), sense)
-            for j in range(d.n_cables)
-            if d.input_of[j] == i
-        ]
+        twist += torsion_urad_Nm(float(torque) * 1e3, carrying, material.shear_MPa, collar=not overhung)
+        *loads, idle = (_acting(body_load(d.routes, route.name, pull), sense) for pull in (*pulls, layout.loads.idle))
         held = _supported(loads, supports, axis)
         bend += bending_urad_Nm(axis, [*loads, *held], sections, material)
-        rest = _supported([_acting(body_load(d.routes, route.name, layout.loads.idle), sense)], supports, axis)
-        give += _bearings_urad_Nm((bearings.input_lower, bearings.input_upper), held, rest)
+        give += _bearings_urad_Nm(specs, held, _supported([idle], supports, axis))
+    if overhung:
+        before = not _senses_output(drive.servo)
+        yield Cause("motors' shafts, torsion", twist, before_input=before, stiffer=_SHAFTS)
+        yield Cause("motors' shafts, bending", bend, stiffer=_SHAFTS)
+        yield Cause("motors' own bearings (estimate)", give, factor=BY_GEARHEADS, stiffer=_SHAFTS)
+        return
     yield Cause("input pulleys, torsion", twist, before_input=True, stiffer=_PULLEYS)
     yield Cause("input pulleys, bending", bend, stiffer=_PULLEYS)
     yield Cause("input pulleys' bearings", give, factor=BY_BEARINGS, stiffer=_PULLEYS)
-
-
-def _overhung(layout: SectorLayout, unit: Floats, torques_Nm: Floats) -> Iterator[Cause]:
-    """Torsion and bending of the motors' shafts with the pulleys on them, and their own bearings."""
-    d, own, sense = layout.loads.si, layout.drive.bearings.input_lower, layout.levels_sense
-    steel = elastic(layout.drive.material("steel"))
-    twist = bend = give = 0.0
-    for i, (pulley, torque) in enumerate(zip(layout.inputs, torques_Nm, strict=True)):
-        route, supports = d.routes.inputs[i], layout.input_bearings_mm(i)
-        axis, sections = sense * np.array(route.axis), _shaft_sections(layout, i)
-        middle = (pulley.land_bottom_z + pulley.land_top_z) / 2.0
-        twisted = [replace(s, start_mm=max(s.start_mm, supports[1]), end_mm=min(s.end_mm, middle)) for s in sections]
-        twist += torsion_urad_Nm(float(torque) * 1e3, [s for s in twisted if s.end_mm > s.start_mm], steel.shear_MPa)
-        changed, rest = (
-            _acting(body_load(d.routes, route.name, tension), sense) for tension in (unit, layout.loads.idle)
-        )
-        held = _supported([changed], supports, axis)
-        bend += bending_urad_Nm(axis, [changed, *held], sections, steel)
-        give += _bearings_urad_Nm((own, own), held, _supported([rest], supports, axis))
-    yield Cause("motors' shafts, torsion", twist, before_input=not _senses_output(layout.drive.servo), stiffer=_SHAFTS)
-    yield Cause("motors' shafts, bending", bend, stiffer=_SHAFTS)
-    yield Cause("motors' own bearings (estimate)", give, factor=BY_GEARHEADS, stiffer=_SHAFTS)
 
 
 def _shaft_sections(layout: SectorLayout, index: int) -> list[Section]:

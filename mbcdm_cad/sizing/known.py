@@ -5,17 +5,8 @@ from dataclasses import asdict
 from functools import cache, cached_property
 from typing import Any, Self, TypeVar
 
+from mbcdm_cad.design import bought
 from mbcdm_cad.design.blocks import NO_PAYLOAD, Payload
-from mbcdm_cad.design.bought import (
-    NO_GEARHEAD,
-    CableSpec,
-    Motor,
-    Screw,
-    TerminationSpec,
-    least_wall_mm,
-    missing_face_fields,
-    without_gearhead,
-)
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.resolve import termination
 from mbcdm_cad.design.rules import Broken, unknown_entry
@@ -114,7 +105,7 @@ class KnownFields:
     def entry(self, kind: str, field: str) -> dict[str, Any]:
         """The entry that a field names. Raises ``SizingError`` for a name that is not in the catalogue."""
         name, entries = self[field], self.entries(kind)
-        if kind == "gearheads" and name == NO_GEARHEAD:
+        if kind == "gearheads" and name == bought.NO_GEARHEAD:
             return self._motor_face()
         if name not in entries:
             raise SizingError(unknown_entry(tuple(field.split(".")), kind, str(name), list(entries)))
@@ -124,9 +115,9 @@ class KnownFields:
         """Motors that need no gearhead: entry, and face and shaft as an entry of a gearhead."""
         found = {}
         for name, entry in self.entries("motors").items():
-            motor = Motor(name=name, **entry)
-            if not missing_face_fields(motor):
-                face = asdict(without_gearhead(motor))
+            motor = bought.Motor(name=name, **entry)
+            if not bought.missing_face_fields(motor):
+                face = asdict(bought.without_gearhead(motor))
                 del face["name"]
                 face.pop("servo", None)
                 found[name] = entry, face
@@ -141,7 +132,7 @@ class KnownFields:
             remedy = (
                 f"choose a gearhead, or one of {', '.join(n for n, (motor, _) in able.items() if 'servo' not in motor)}"
             )
-            raise SizingError(Broken(("drive", "gearhead"), what, NO_GEARHEAD, "", remedy))
+            raise SizingError(Broken(("drive", "gearhead"), what, bought.NO_GEARHEAD, "", remedy))
         return able[name][1]
 
 
@@ -158,9 +149,9 @@ class RopeKnown(KnownFields):
         """Diameter of the thinnest rope that rules choose."""
         return 0.0
 
-    def screw(self, name: str) -> Screw:
+    def screw(self, name: str) -> bought.Screw:
         """A screw of the catalogue."""
-        return Screw(name=name, **self.entries("screws")[name])
+        return bought.Screw(name=name, **self.entries("screws")[name])
 
     def printed(self, part: str) -> bool:
         """Whether a part is 3D printed."""
@@ -170,7 +161,7 @@ class RopeKnown(KnownFields):
         """Thinnest wall of the material of a part, ``"drum"``."""
         metal = self.entry("materials", f"{part}.material")
         nozzle = self.get("printing.nozzle_mm", NOZZLE_MM) if metal["process"] == "printed" else 0.0
-        return least_wall_mm(metal["process"], float(metal["min_wall_mm"]), nozzle)
+        return bought.least_wall_mm(metal["process"], float(metal["min_wall_mm"]), nozzle)
 
     @property
     def rope(self) -> dict[str, Any]:
@@ -184,15 +175,15 @@ class RopeKnown(KnownFields):
         return float(self.rope["diameter_mm"])
 
     @property
-    def termination(self) -> TerminationSpec:
+    def termination(self) -> bought.TerminationSpec:
         """How the rope's ends are made: as named, else the strongest that fits."""
-        rope = CableSpec(name="rope", **{key: value for key, value in self.rope.items() if key != "name"})
+        rope = bought.CableSpec(name="rope", **{key: value for key, value in self.rope.items() if key != "name"})
         return termination(self.get("rope.termination"), self._terminations, rope)
 
     @cached_property
-    def _terminations(self) -> list[TerminationSpec]:
+    def _terminations(self) -> list[bought.TerminationSpec]:
         """All of the catalogue, to which no rule adds any."""
         return [
-            TerminationSpec(name=name, **{**entry, "constructions": tuple(entry["constructions"])})
+            bought.TerminationSpec(name=name, **{**entry, "constructions": tuple(entry["constructions"])})
             for name, entry in self.entries("terminations").items()
         ]

@@ -9,22 +9,20 @@ import numpy as np
 from mbcdm_cad.checks import bearings, drum_sector, fixings, motor_head, motors, springs, strength, structure, terminals
 from mbcdm_cad.checks.comparison import Comparison, Family, Findings, at_least, at_most, check, families
 from mbcdm_cad.checks.design_variables import Adjustment, down, downs, up, ups
-from mbcdm_cad.checks.geometry import cables_apart, corner_gap, drum_zones, frame_front, rim_points, wrap_points
+from mbcdm_cad.checks.geometry import cables_apart, corner_gap, drum_zones, frame_front
 from mbcdm_cad.checks.input_pulley import pulley_checks
 from mbcdm_cad.checks.motor_head import boss_walls, encoder_shelf
 from mbcdm_cad.checks.ratios import anchor_bend, bending_checks, pair_mismatch, spread, surface_radius
 from mbcdm_cad.checks.run import floored
 from mbcdm_cad.checks.size import box_checks, mass_estimate
-from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.checks.transfer import TransferStacks, ratio_contributions, transfer_checks, transmission_error
 from mbcdm_cad.design.paths import at
-from mbcdm_cad.layouts.bevel_transfer import cut_at_pitch, transfer_stacks, wrap_checks
+from mbcdm_cad.layouts.bevel_transfer import bevel_box_mm, cut_at_pitch, transfer_stacks, wrap_checks
 from mbcdm_cad.layouts.siso_bevel.cable_path import full_input_turn_deg, taken_rad
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.layouts.siso_bevel.support import MOUNT_HEAD_ROOM_MM, POCKET_FLAT_MM
 from mbcdm_cad.model.tolerance import StackUp, tightest
-from mbcdm_cad.parts.bodies import RING_ENCODER_FLATS
 from mbcdm_cad.parts.motor_head.dims import dowel_length_mm, flange_screw
 
 TURN_DEG = 360.0
@@ -274,22 +272,9 @@ def drum_sweep(s: DirectLayout) -> Findings:
 def box_mm(s: DirectLayout) -> tuple[float, float, float]:
     """Box (X, Z, Y) of all parts with the drum centred, computed from the layout; mm."""
     v, drive = s.levels, s.drive
-    d, f = s.drum, s.frame
-    points = [rim_points(d), wrap_points(d, s.flank_mm)]
-    reach = max(c.input_radius_mm for c in s.steps) + s.flank_mm
-    ys = [v.back_y, v.hub_face_y, d.lands[-1].y_end, d.web_end_y + 0.5, reach]
-    for t in d.tensioners:
-        for _, outline, _, high in bodies_of(s, t, moved=False):
-            points.append(outline)
-            ys.append(high)
-    cloud = np.concatenate(points)
     bodies = max(drive.gearhead.diameter_mm, drive.motor.diameter_mm) / 2
-    wide = max(v.side_outer_x, f.column_half_width, f.boss.ear_reach, drive.drum_encoder.diameter_mm / 2, bodies)
-    left, right = min(float(cloud[:, 0].min()), -wide), max(float(cloud[:, 0].max()), wide)
-    encoder = drive.drum_encoder.diameter_mm / 2 * RING_ENCODER_FLATS
-    bottom = min(float(cloud[:, 1].min()), -f.boss.radius, -d.hub_radius, -encoder)
-    top = max(-v.motor_bottom_z, float(cloud[:, 1].max()), s.steps[-1].drum_radius_mm + s.flank_mm)
-    return right - left, top - bottom, max(ys) - min(ys)
+    reach = max(c.input_radius_mm for c in s.steps) + s.flank_mm
+    return bevel_box_mm(s, max(s.frame.column_half_width, bodies), (inf, -v.motor_bottom_z), (reach,))
 
 
 _RADII = up("all radii of transmission")

@@ -196,19 +196,19 @@ def test_slots_take_no_more_than_their_room(dims: BevelLayout, solids: dict[str,
 
 def test_top_plate(drive: Drive, dims: BevelLayout) -> None:
     """A rounded plate less its holes; wide enough here that no head's pocket breaks out of its edge."""
-    levels = replace(dims.levels, side_outer_x=dims.levels.side_outer_x + 3.0)
+    levels, e = replace(dims.levels, side_outer_x=dims.levels.side_outer_x + 3.0), dims.top_plate.encoder_holes
+    assert e is not None
     t = replace(dims.top_plate, levels=levels)
     thick = levels.top_plate_top_z - levels.top_plate_bottom_z
     area = 2 * levels.side_outer_x * (levels.front_y - levels.back_y) - (4 - pi) * t.corner_radius**2
-    head_radius, head_depth = 1.6, 1.8
     holes = ring(t.axle_radius, 0.0, thick)
     seat = ring(t.seat_radius, 0.0, t.seat_depth) + ring(t.shoulder_radius, 0.0, thick - t.seat_depth)
-    encoder_hole = ring(t.encoder_screw_clearance, 0.0, thick - head_depth) + ring(head_radius, 0.0, head_depth)
+    encoder_hole = ring(e.clearance, 0.0, thick - e.head_depth) + ring(e.head_radius, 0.0, e.head_depth)
     holes += len(t.input_x) * (seat + 2 * encoder_hole)
     head = ring(t.screw_head_radius, 0.0, t.screw_head_depth)
     holes += len(t.screws) * (ring(t.screw_clearance, 0.0, thick - t.screw_head_depth) + head)
     holes += len(t.dowels) * ring(t.dowel_radius, 0.0, thick)
-    close(TopPlate(t, head_radius, head_depth).solid(), area * thick - holes, "top plate")
+    close(TopPlate(t).solid(), area * thick - holes, "top plate")
 
 
 def radial_hole(radius: float, inner: float, outer: float) -> float:

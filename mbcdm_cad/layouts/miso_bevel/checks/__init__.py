@@ -15,17 +15,15 @@ from mbcdm_cad.checks.comparison import Check, Family, Findings, check, families
 from mbcdm_cad.checks.design_variables import Adjustment, down, downs, up, ups
 from mbcdm_cad.checks.input_pulley import pulley_checks
 from mbcdm_cad.checks.size import box_checks, mass_estimate
-from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.checks.transfer import transfer_checks
 from mbcdm_cad.design.paths import at
-from mbcdm_cad.layouts.bevel_transfer import wrap_checks
+from mbcdm_cad.layouts.bevel_transfer import bevel_box_mm, wrap_checks
 from mbcdm_cad.layouts.miso_bevel.cable_path import FREE
 from mbcdm_cad.layouts.miso_bevel.checks import support_fits, support_walls
 from mbcdm_cad.layouts.miso_bevel.checks.spans import SPANS, STACKS, stacks
 from mbcdm_cad.layouts.miso_bevel.checks.support_fits import in_pocket
 from mbcdm_cad.layouts.miso_bevel.checks.transmission import BEARINGS, BENDING, GUIDE_FITS, RATIOS, SURFACES
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.parts.bodies import RING_ENCODER_FLATS
 from mbcdm_cad.parts.coupling import collar_sweep_mm
 from mbcdm_cad.parts.part import pocket_corner_mm
 
@@ -174,40 +172,14 @@ SWEEPS = (
 
 def box_mm(s: BevelLayout) -> tuple[float, float, float]:
     """Box (X, Z, Y) of all parts with the drum centred, computed from the layout; mm."""
-    v, drive = s.levels, s.drive
-    d, f, pitch = s.drum, s.frame, drive.input_x_mm
-    points = [geometry.rim_points(d), geometry.wrap_points(d, s.flank_mm)]
+    v, drive, box = s.levels, s.drive, s.top_plate.box
     # The cable on the largest step of an input pulley may extend beyond frame and drum on both sides.
     on_input = max(step.input_radius_mm for step in s.steps) + s.flank_mm
     body = max(drive.encoder.diameter_mm, drive.gearhead.diameter_mm, drive.motor.diameter_mm) / 2
-    ys = [
-        v.back_y,
-        drive.input_y_mm - body,
-        drive.input_y_mm + body,
-        v.hub_face_y,
-        d.lands[-1].y_end,
-        d.web_end_y + 0.5,
-        drive.input_y_mm + on_input,
-        drive.input_y_mm - on_input,
-    ]
-    box = s.top_plate.box
-    if box is not None:
-        ys += [drive.input_y_mm + box.front_y, drive.input_y_mm + box.back_y]
-    for t in d.tensioners:
-        for _, outline, _, high in bodies_of(s, t, moved=False):
-            points.append(outline)
-            ys.append(high)
-    cloud = np.concatenate(points)
-    widest = max(v.side_outer_x, f.boss.ear_reach, drive.drum_encoder.diameter_mm / 2, pitch + body, pitch + on_input)
-    outermost = s.steps[-1].drum_radius_mm + s.flank_mm
-    encoder_half = drive.drum_encoder.diameter_mm / 2 * RING_ENCODER_FLATS
-    left = min(float(cloud[:, 0].min()), -widest)
-    right = max(float(cloud[:, 0].max()), widest)
-    bottom = min(
-        float(cloud[:, 1].min()), v.motor_bottom_z, v.encoder_bottom_z, -f.boss.radius, -d.hub_radius, -encoder_half
-    )
-    top = max(v.encoder_top_z, v.motor_top_z, outermost)
-    return right - left, top - bottom, max(ys) - min(ys)
+    beside = (-body, body, on_input, -on_input, *([] if box is None else [box.front_y, box.back_y]))
+    heights = min(v.motor_bottom_z, v.encoder_bottom_z), max(v.encoder_top_z, v.motor_top_z)
+    wide = drive.input_x_mm + max(body, on_input)
+    return bevel_box_mm(s, wide, heights, [drive.input_y_mm + y for y in beside])
 
 
 _SOURCE = "targets.envelope_mm; paper section 4.1"

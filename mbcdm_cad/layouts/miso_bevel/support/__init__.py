@@ -146,9 +146,7 @@ class TopPlateDims:
     screws: tuple[tuple[float, float], ...]
     dowels: tuple[tuple[float, float], ...]
     dowel_radius: float
-    encoder_screw_clearance: float
-    encoder_circle_radius: float
-    encoder_screw_count: int  # none with motors above
+    encoder_holes: EncoderHoles | None  # none with motors above
     box: CouplingBox | None = None  # on the plate at the input at +x, with motors above; that at -x mirrors it
 
     @property
@@ -276,9 +274,7 @@ def _mounts(
 
 def top_plate(drive: BevelDrive, levels: Stack) -> TopPlateDims:
     """Dimensions of the top plate."""
-    in_plate = drive.plate_bearing
-    screw = plate_screw_of(drive)
-    encoder_screw = drive.screw(drive.encoder.screw)
+    in_plate, screw = drive.plate_bearing, plate_screw_of(drive)
     return TopPlateDims(
         levels=levels,
         corner_radius=pocket_corner_radius_mm(drive, levels),
@@ -294,9 +290,7 @@ def top_plate(drive: BevelDrive, levels: Stack) -> TopPlateDims:
         screws=plate_screws(drive, levels),
         dowels=dowels(levels),
         dowel_radius=DOWEL_MM / 2,
-        encoder_screw_clearance=encoder_screw.clearance_mm / 2,
-        encoder_circle_radius=drive.encoder.bolt_circle_mm / 2,
-        encoder_screw_count=0 if drive.motors_above else drive.encoder.screw_count,
+        encoder_holes=None if drive.motors_above else encoder_holes(drive),
         box=_box(drive, levels) if drive.motors_above else None,
     )
 

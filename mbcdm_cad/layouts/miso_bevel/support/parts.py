@@ -9,20 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from mbcdm_cad.layouts.miso_bevel.support import FrameDims, TopPlateDims
+from mbcdm_cad.parts import fits
 from mbcdm_cad.parts.boss import boss_bores, boss_of_column, boss_threads, in_section, open_behind, seats_mm
-from mbcdm_cad.parts.fits import (
-    DRUM_AXIS,
-    FACE_MM,
-    FITS,
-    REST,
-    SHOULDER_MM,
-    Datum,
-    GeometricTolerance,
-    level,
-    one_axis,
-    shoulder_place,
-    square,
-)
 from mbcdm_cad.parts.milled import Bores, Feature, Milled, MilledPocket, Slab, corner_table, rounding, span, wide
 from mbcdm_cad.parts.motor_head.dims import CouplingBox
 from mbcdm_cad.parts.motor_head.part import box_bodies, box_taken
@@ -52,7 +40,7 @@ def _at_inputs(d: FrameDims) -> tuple[Bores, ...]:
     v, down, y = d.levels, minus(Z), d.input_y
     high, low = v.bearing_shelf_top_z, v.shelf_top_z
     bearing, lowest = high - v.bearing_shelf_bottom_z, low - v.shelf_bottom_z
-    seat = (2 * d.seat_radius, d.seat_depth, FITS["input_seat"].code)
+    seat = (2 * d.seat_radius, d.seat_depth, fits.FITS["input_seat"].code)
     axes, screws = tuple((x, y, high) for x in d.input_x), 2 * d.gear_screw_clearance
     shoulder = ("B", 2 * d.seat_shoulder_radius, THROUGH, axes, "bearing shelf", "bearing seats")
     seats = Bores(*shoulder, counterbore=seat, into=down, metal=bearing)
@@ -71,14 +59,14 @@ def _at_inputs(d: FrameDims) -> tuple[Bores, ...]:
     return (
         seats,
         Bores(*key, into=down, metal=bearing, share=share),
-        Bores(*centred, fit=FITS["pilot"].code, into=down, metal=lowest),
+        Bores(*centred, fit=fits.FITS["pilot"].code, into=down, metal=lowest),
         Bores("G", screws, THROUGH, through, "motor shelf", "gearhead screws", into=down, metal=lowest),
     )
 
 
 def _fixings(d: FrameDims) -> tuple[Bores, ...]:
     """Holes for the guide's axle, the top plate, the stop pin and the mounting screws."""
-    v, down, back, pressed = d.levels, minus(Z), minus(Y), FITS["pin_press"].code
+    v, down, back, pressed = d.levels, minus(Z), minus(Y), fits.FITS["pin_press"].code
     shelf, top, floor = v.bearing_shelf_top_z, v.top_plate_bottom_z, v.pocket_floor_y
     thick, sunk = shelf - v.bearing_shelf_bottom_z, floor - d.mount_seat_y
     screws, dowels = (tuple((x, y, top) for x, y in at) for at in (d.plate_screws, d.dowels))
@@ -93,7 +81,7 @@ def _fixings(d: FrameDims) -> tuple[Bores, ...]:
     insert = d.plate_insert
     return (
         # It ends on the shelf's lower face.
-        Bores(*axle, fit=FITS["axle_bore"].code, into=down, metal=thick, beyond=0.0),
+        Bores(*axle, fit=fits.FITS["axle_bore"].code, into=down, metal=thick, beyond=0.0),
         Bores(*to_plate, threaded=insert is None, insert=insert, into=down),
         Bores("E", 2 * d.dowel_radius, d.dowel_depth, dowels, "top", "dowels", fit=pressed, into=down),
         Bores(*to_axle, threaded=True, into=back, metal=v.front_y - d.axle_radius, beyond=d.axle_radius),
@@ -179,15 +167,15 @@ def _dimensions(d: FrameDims) -> tuple[Linear | Radius, ...]:
     )
 
 
-def _tolerances(d: FrameDims) -> tuple[GeometricTolerance, ...]:
+def _tolerances(d: FrameDims) -> tuple[fits.GeometricTolerance, ...]:
     """Seats of the drum on one axis; bores of guide and inputs square to it."""
     v, depth = d.levels, d.seat_depth / 2
     shelf = (v.bearing_shelf_bottom_z + v.bearing_shelf_top_z) / 2
     first, *rest = ((x, d.input_y - d.seat_radius, v.bearing_shelf_top_z - depth) for x in d.input_x)
     return (
-        one_axis("section", seats_mm(d.boss), DRUM_AXIS),
-        square("section", (0.0, -d.axle_radius, shelf), DRUM_AXIS, "A"),
-        square("top", first, DRUM_AXIS, "B", tuple(rest)),
+        fits.one_axis("section", seats_mm(d.boss), fits.DRUM_AXIS),
+        fits.square("section", (0.0, -d.axle_radius, shelf), fits.DRUM_AXIS, "A"),
+        fits.square("top", first, fits.DRUM_AXIS, "B", tuple(rest)),
     )
 
 
@@ -250,7 +238,7 @@ class Frame(Milled):
             ),
             holes=holes,
             fits=(
-                FitLine(2 * d.boss.seat_radius, FITS["drum_seat"].code, "drum bearing seats"),
+                FitLine(2 * d.boss.seat_radius, fits.FITS["drum_seat"].code, "drum bearing seats"),
                 *(line for group in holes for line in group.fit_lines()),
             ),
             notes=(
@@ -263,13 +251,11 @@ class Frame(Milled):
 
 @dataclass(frozen=True)
 class TopPlate(Milled):
-    """Top plate where it stands in the assembly; counterbores of the encoders' screws, in its underside, in mm."""
+    """Top plate where it stands in the assembly."""
 
     what = "top plate"
 
     dims: TopPlateDims
-    encoder_head_radius: float
-    encoder_head_depth: float
 
     def bodies(self) -> Sequence[Feature]:
         """Plate, with the coupling boxes on it."""
@@ -285,11 +271,11 @@ class TopPlate(Milled):
             ((0.0, 0.0, high),),
             (tuple((x, y, high) for x, y in at) for at in (d.screws, d.dowels)),
         )
-        heads, sliding = (2 * d.screw_head_radius, d.screw_head_depth, ""), FITS["pin_slide"].code
+        heads, sliding = (2 * d.screw_head_radius, d.screw_head_depth, ""), fits.FITS["pin_slide"].code
         axle = ("A", 2 * d.axle_radius, THROUGH, axis, "top", "guide axle")
         screw = ("D", 2 * d.screw_clearance, THROUGH, screws, "top", "screws")
         mounting = (
-            Bores(*axle, fit=FITS["axle_bore"].code, into=down, metal=thick),
+            Bores(*axle, fit=fits.FITS["axle_bore"].code, into=down, metal=thick),
             Bores(*screw, counterbore=heads, into=down, metal=thick),
             Bores("E", 2 * d.dowel_radius, THROUGH, dowels, "top", "dowels", fit=sliding, into=down, metal=thick),
         )
@@ -297,10 +283,12 @@ class TopPlate(Milled):
             words = ("bearing seats", "gearheads", "gearhead screws", "key for gearhead screws")
             return (*mounting, *box_taken(d.boxes, d.input_y, "BFGC", words))
         seats = tuple((x, d.input_y, low) for x in d.input_x)
-        beside = tuple((x + s * d.encoder_circle_radius, d.input_y, low) for x in d.input_x for s in (-1, 1))
-        seat = (2 * d.seat_radius, d.seat_depth, FITS["input_seat"].code)
-        sunk = (2 * self.encoder_head_radius, self.encoder_head_depth, "")
-        encoder = ("C", 2 * d.encoder_screw_clearance, THROUGH, beside, "below", "encoder screws")
+        e = d.encoder_holes
+        assert e is not None, "the encoders stand on the plate where no gearhead does"
+        beside = tuple((at, d.input_y, low) for x in d.input_x for at in e.places(x))
+        seat = (2 * d.seat_radius, d.seat_depth, fits.FITS["input_seat"].code)
+        sunk = (2 * e.head_radius, e.head_depth, "")
+        encoder = ("C", 2 * e.clearance, THROUGH, beside, "below", "encoder screws")
         return (
             *mounting,
             Bores(
@@ -342,10 +330,10 @@ class TopPlate(Milled):
                 rounding((-x, v.front_y, high), r, "4x "),
             ),
             labels=hole_labels(holes, "top"),
-            datums=(Datum("section", (0.5 * max(d.input_x), 0.0, low), REST),),
+            datums=(fits.Datum("section", (0.5 * max(d.input_x), 0.0, low), fits.REST),),
             tolerances=(
                 *_of_plate(d, d.seat_radius, d.seat_depth, d.shoulder_radius),
-                level("section", (0.5 * max(d.input_x), 0.0, high), FACE_MM),
+                fits.level("section", (0.5 * max(d.input_x), 0.0, high), fits.FACE_MM),
             ),
             cutting_lines=(CuttingLine("top", (-x - 4.0, 0.0, high), (x + 4.0, 0.0, high), "A", Y),),
             tables=(hole_table(holes), position_table(holes, (0, 1), "Positions from the axis of hole A")),
@@ -409,10 +397,10 @@ class TopPlate(Milled):
                 ),
             ),
             labels=hole_labels(tuple(group for group in holes if group.letter != "C"), "top"),
-            datums=(Datum("section", (0.0, y, low), REST),),
+            datums=(fits.Datum("section", (0.0, y, low), fits.REST),),
             tolerances=(
                 *_of_plate(d, box.seat_radius, box.seat_depth, box.shoulder_radius),
-                level("section", (at + 0.5 * (box.inner_x + box.outer_x), y, box.top_z), FACE_MM),
+                fits.level("section", (at + 0.5 * (box.inner_x + box.outer_x), y, box.top_z), fits.FACE_MM),
             ),
             cutting_lines=(CuttingLine("top", (-x - 4.0, y, low), (x + 4.0, y, low), "A", Y),),
             notes=(
@@ -436,9 +424,9 @@ def _outline(d: TopPlateDims) -> tuple[Linear, ...]:
     )
 
 
-def _of_plate(d: TopPlateDims, seat: float, depth: float, shoulder: float) -> tuple[GeometricTolerance, ...]:
+def _of_plate(d: TopPlateDims, seat: float, depth: float, shoulder: float) -> tuple[fits.GeometricTolerance, ...]:
     """Shoulders of the bearing seats parallel to the lower face."""
     z = d.levels.top_plate_bottom_z + depth
-    dx, dy = shoulder_place(seat, shoulder)
+    dx, dy = fits.shoulder_place(seat, shoulder)
     first, *rest = ((x + dx, d.input_y + dy, z) for x in d.input_x)
-    return (level("section", first, SHOULDER_MM, tuple(rest)),)
+    return (fits.level("section", first, fits.SHOULDER_MM, tuple(rest)),)
