@@ -10,7 +10,7 @@ from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.head_basis import counts_losses
 from mbcdm_cad.layouts.trial_drives import TrialDrives
-from mbcdm_cad.layouts.trial_sizing import TrialKnown
+from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, TrialKnown
 from mbcdm_cad.model.tolerance import StackUp
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
 from mbcdm_cad.sizing.rule import Found, driver_of, rounded_down, rounded_up, rule
@@ -20,6 +20,19 @@ RADII, LAND_EDGE = at.transmission.drum_radii_mm, at.clearances.land_edge_mm
 LEAST_ROPE_MM = 0.38
 # Least D/d of the catalogue's wire ropes, for a rope of the next size, at most 1.25 times as thick.
 BENT_TO_NEXT = 28.0 * 1.25
+
+
+# Of a drive of medium size, for fields that the first pass does not know yet.
+GUESSES: Mapping[str, Any] = {
+    **MIDDLE_SIZE,
+    LAND_EDGE: 0.15,
+    at.clearances.transfer_gap_mm: 0.1,
+    at.drive.motor: "motor-2.9mNm-15",
+    at.drive.gearhead: "gearhead-76-16",
+    at.drum.tensioner: "M2",
+    at.support.side_wall_mm: 5.0,
+    at.support.mount_screw: "M3",
+}
 
 
 class TransferKnown(TrialKnown):

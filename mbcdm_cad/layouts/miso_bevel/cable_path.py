@@ -33,15 +33,12 @@ BLEND_DIAMETERS = 2.5
 class Winding:
     """Tangent points of a cable on input pulley and guide; angles in rad about Z, seen from +z, for any drum angle."""
 
-    input_x_mm: float
-    input_y_mm: float
     guide_sense: int  # +1: the cable, followed towards the drum, goes anticlockwise round the guide
     guide_landing_rad: float
     guide_wrap_rad: float
     input_contact_rad: float
     free_span_mm: float
     outward: int  # +1: the dead turn lies at larger z than the step plane
-    payout: int  # +1: a positive drum angle takes cable off the input pulley
     reduction: float  # r_o / r_m
 
 
@@ -62,15 +59,12 @@ def winding(drive: BevelDrive, cable: BevelRun) -> Winding:
     others = [c for c in drive.cables if c.input_name == cable.input_name and c.name != cable.name]
     outward = 1 if all(cable.step > c.step for c in others) else -1
     return Winding(
-        input_x_mm=cable.input_side * drive.input_x_mm,
-        input_y_mm=drive.input_y_mm,
         guide_sense=sense,
         guide_landing_rad=landing % tau,
         guide_wrap_rad=wrap,
         input_contact_rad=(landing + pi) % tau,
         free_span_mm=sqrt(length**2 - (r_g + r_m) ** 2),
         outward=outward,
-        payout=cable.drum_side,
         reduction=cable.drum_radius_mm / cable.input_radius_mm,
     )
 
@@ -95,8 +89,7 @@ FREE = ("span_in", "span", "span_out", "guide")
 
 def axial_walk_mm(drive: BevelDrive, cable: BevelRun, drum_angle_rad: float) -> float:
     """Offset of the input contact from the step plane, positive away from the dead turn. p (r_o/r_m) theta / 2 pi."""
-    w = winding(drive, cable)
-    return -w.payout * w.reduction * drum_angle_rad * drive.helix_lead_mm / tau
+    return -cable.drum_side * winding(drive, cable).reduction * drum_angle_rad * drive.helix_lead_mm / tau
 
 
 def cable_path(
@@ -119,12 +112,13 @@ def cable_path(
     a_contact = w.input_contact_rad
     a_end = a_contact + away * wound
     z_end = z_contact + w.outward * lead * wound / tau
-    helix = Helix((w.input_x_mm, w.input_y_mm), r_m, a_end, a_contact, z_end, z_contact)
+    x, y = cable.input_side * drive.input_x_mm, drive.input_y_mm
+    helix = Helix((x, y), r_m, a_end, a_contact, z_end, z_contact)
 
     pieces: list[tuple[str, Piece]] = []
     # Inward bend and chord, in the plane of the helix's end tangent and the radius there.
     radial = np.array([cos(a_end), sin(a_end), 0.0])
-    start = np.array([w.input_x_mm + r_m * radial[0], w.input_y_mm + r_m * radial[1], z_end])
+    start = np.array([x + r_m * radial[0], y + r_m * radial[1], z_end])
     back = -helix.tangent(0.0)
     ends = stop_pieces(start, radial, back, r_m, stop_of(drive, cable))
     pieces.extend(zip(STOP_PIECES, ends, strict=True))

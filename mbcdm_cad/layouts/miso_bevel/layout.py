@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.checks.design_variables import ALL_RADII, DRUM, SHARED, DesignVariable, by_path, field, lengths, radii
@@ -12,7 +13,7 @@ from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import Attachment, Conventions, NoFigureError, dimensions
 from mbcdm_cad.layouts.miso_bevel.cable_path import GUIDE
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun, Support
-from mbcdm_cad.layouts.miso_bevel.stack import Stack, axle, guide, input_pulley, stack, stop_pin_z
+from mbcdm_cad.layouts.miso_bevel.stack import Stack, input_pulley, stack, stop_pin_z
 from mbcdm_cad.layouts.miso_bevel.support import FrameDims, TopPlateDims, frame, top_plate
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.model.losses import BearingPair, body_bearings
@@ -140,8 +141,17 @@ class BevelLayout(SectorLayout):
 
     @dimensions
     def guide(self) -> IdlerDims:
-        """Guide pulley."""
-        return guide(self.drive, self.levels)
+        """Guide pulley: walls in the middle between the steps, so that the landing point may move both ways."""
+        v, bearing = self.levels, self.drive.bearings.guide
+        return IdlerDims(
+            bottom_z=v.guide_bottom_z,
+            top_z=v.guide_top_z,
+            surface_radii=tuple(c.guide_radius_mm - self.flank_mm for c in self.steps),
+            walls_z=tuple((a.drum_radius_mm + b.drum_radius_mm) / 2 for a, b in pairwise(self.steps)),
+            seat_radius=bearing.outer_diameter_mm / 2,
+            seat_depth=bearing.width_mm,
+            shoulder_radius=bearing.outer_shoulder_mm / 2,
+        )
 
     @property
     def axle_supports_mm(self) -> tuple[float, float]:
@@ -157,8 +167,18 @@ class BevelLayout(SectorLayout):
 
     @dimensions
     def axle(self) -> AxleDims:
-        """Fixed axle of the guide."""
-        return axle(self.drive, self.levels)
+        """Fixed axle of the guide between bearing shelf and top plate, with the spacer above the upper bearing."""
+        v, bearing = self.levels, self.drive.bearings.guide
+        return AxleDims(
+            radius=bearing.bore_mm / 2,
+            bottom_z=v.bearing_shelf_bottom_z,
+            top_z=v.top_plate_top_z,
+            collar_radius=bearing.inner_shoulder_mm / 2,
+            collar_bottom_z=v.bearing_shelf_top_z,
+            collar_top_z=v.guide_bottom_z,
+            spacer_bottom_z=v.guide_top_z,
+            spacer_top_z=v.top_plate_bottom_z,
+        )
 
     @dimensions
     def frame(self) -> FrameDims:

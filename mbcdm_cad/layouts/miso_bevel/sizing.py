@@ -15,7 +15,7 @@ from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Freedom, SizingError
 from mbcdm_cad.layouts import common_rules, head_basis, head_dims
 from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.layouts.bevel_sizing import RADII, TransferKnown, land_edge, outer_face, transfer_gap
+from mbcdm_cad.layouts.bevel_sizing import GUESSES, RADII, TransferKnown, land_edge, outer_face, transfer_gap
 from mbcdm_cad.layouts.head_parts import PARTS, by_mass
 from mbcdm_cad.layouts.miso_bevel.checks.spans import straight_span_distance_mm
 from mbcdm_cad.layouts.miso_bevel.design_file import MOST_SETBACK, REFERENCE
@@ -23,7 +23,6 @@ from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.support import HEAD_ROOM_MM
 from mbcdm_cad.layouts.open_ratio import SizingRules
 from mbcdm_cad.layouts.stiff_sizing import SHARED, bearing, walls
-from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE
 from mbcdm_cad.parts.drum_sector.dims import SCREWS
 from mbcdm_cad.parts.fits import MOUNT_SCREWS
 from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_down, rounded_up, rule
@@ -576,27 +575,21 @@ def _first_guesses(given: BevelKnown) -> dict[str, Any]:
     second, direct = 1.5, given.peek(at.drive.gearhead) == NO_GEARHEAD
     ratios = {"guide_to_drum": float(given.peek(RATIO) or 6.0) / second, "input_to_guide": second}
     return {
-        **{field: value for field, value in MIDDLE_SIZE.items() if field != at.support.encoder_shelf_mm},
+        **{field: value for field, value in GUESSES.items() if field != at.support.encoder_shelf_mm},
         RADII: given.radii_mm(4.0),
         **({at.transmission.ratios: ratios} if _needs_ratios(given) else {}),
         DISTANCE: max(first, given.get(SETBACK, 0.0) / MOST_SETBACK),
         SETBACK: 0.0,
         at.rope.helix_lead_mm: 1.0,
-        at.clearances.land_edge_mm: 0.15,
-        at.clearances.transfer_gap_mm: 0.1,
-        at.drive.motor: min(given.motors_with_faces()) if direct else "motor-2.9mNm-15",
-        at.drive.gearhead: "gearhead-76-16",
+        **({at.drive.motor: min(given.motors_with_faces())} if direct else {}),
         at.guide.bearing: "618/4",
-        at.drum.tensioner: "M2",
         at.drum.sector_half_angle_deg: 85.0,
         at.drum.rim_inner_radius_mm: 0.8 * first,
         at.drum.outer_face_y_mm: 25.0,
         at.drum.hub_face_y_mm: 35.0,
-        at.support.side_wall_mm: 5.0,
         at.support.back_plate_mm: 5.0,
         at.support.top_plate_mm: 4.0,
         at.support.rib_mm: 6.0,
-        at.support.mount_screw: "M3",
         at.support.back_y_mm: -30.0,
     }
 

@@ -15,7 +15,6 @@ pulleys, the drives from the shelves. All mm.
 """
 
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from math import hypot, pi, radians, sqrt, tau
 from typing import NamedTuple
 
@@ -29,7 +28,6 @@ from mbcdm_cad.parts.drum_sector.sizes import terminal_half_mm
 from mbcdm_cad.parts.input_pulley import dims
 from mbcdm_cad.parts.input_pulley.dims import helix_stop_land_mm
 from mbcdm_cad.parts.motor_head.dims import TOOL_SLENDERNESS, body_radius_mm, outer_half_width_mm
-from mbcdm_cad.parts.turned import AxleDims, IdlerDims
 
 # Screws and dowels of the top plate; the shortest that engage over one diameter are used.
 PLATE_SCREWS = ("M2x6", "M2x8", "M2x10", "M2x12")
@@ -100,9 +98,9 @@ class Band:
     dead_end_mm: float
 
 
-def band(drive: BevelDrive, cable: BevelRun, outward: int) -> Band:
+def band(drive: BevelDrive, cable: BevelRun) -> Band:
     """Band of one cable on its input pulley: +-walk about the step plane, dead turns on the outward side."""
-    walk = abs(axial_walk_mm(drive, cable, radians(drive.half_travel_deg)))
+    walk, outward = abs(axial_walk_mm(drive, cable, radians(drive.half_travel_deg))), winding(drive, cable).outward
     flank = drive.cable.diameter_mm / 2
     dead_end = cable.drum_radius_mm + outward * (walk + drive.dead_turns * drive.helix_lead_mm)
     other = cable.drum_radius_mm - outward * walk
@@ -171,12 +169,6 @@ class Stack(InputLevels):
         return self.hub_face_y - self.back_y
 
 
-def outward_of(drive: BevelDrive, cable: BevelRun) -> int:
-    """+1 if this cable's dead turn lies above its step plane: the upper step of a pulley winds up, the lower down."""
-    steps = [c.step for c in drive.cables if c.input_name == cable.input_name]
-    return 1 if cable.step == max(steps) else -1
-
-
 def milled_corner_mm(drive: BevelDrive, depth_mm: float) -> float:
     """Corner radius of a pocket of the frame: an end mill no longer than four diameters reaches its floor."""
     return max(drive.frame_material.min_internal_radius_mm, depth_mm / TOOL_SLENDERNESS / 2)
@@ -192,7 +184,7 @@ def _beside_corner_mm(corner_mm: float, above_mm: float, gap_mm: float) -> float
 
 def stack(drive: BevelDrive) -> Stack:
     """Compute the levels of a design without tests; the checks find impossible levels."""
-    bands = {c.name: band(drive, c, outward_of(drive, c)) for c in drive.cables}
+    bands = {c.name: band(drive, c) for c in drive.cables}
     walk_on_guide = max(guide_landing_walk_mm(drive, c) for c in drive.cables)
     flank = drive.cable.diameter_mm / 2
     steps = sorted(c.drum_radius_mm for c in drive.cables)
@@ -213,7 +205,7 @@ def stack(drive: BevelDrive) -> Stack:
     front = min(low_nut, drum_inner) - drive.clearances.running_mm
     corner = milled_corner_mm(drive, front - s.back_y_mm - s.back_plate_mm)
     # Radius of the parts that turn just above the shelf: the lower land of each pulley, and the cable on it.
-    low_steps = [c for c in drive.cables if outward_of(drive, c) < 0]
+    low_steps = [c for c in drive.cables if winding(drive, c).outward < 0]
     turning = [(c.input_radius_mm - flank, pulleys_low) for c in low_steps]
     turning += [(c.input_radius_mm + flank, bands[c.name].low_mm) for c in low_steps]
     beside = max(r + _beside_corner_mm(corner, z - bearing_top, drive.clearances.running_mm) for r, z in turning)
@@ -285,7 +277,7 @@ def _wound(drive: BevelDrive, name: str) -> tuple[_Wound, _Wound]:
     """The cables of the input ``name``, the one towards its gearhead first."""
     found = []
     for cable in sorted((c for c in drive.cables if c.input_name == name), key=lambda c: c.step):
-        on_pulley, stop = band(drive, cable, outward_of(drive, cable)), stop_of(drive, cable)
+        on_pulley, stop = band(drive, cable), stop_of(drive, cable)
         if drive.motors_above:
             on_pulley = Band(-on_pulley.high_mm, -on_pulley.low_mm, -on_pulley.dead_end_mm)
             stop = replace(stop, end_angle_rad=pi - stop.end_angle_rad, away=-stop.away)
@@ -328,37 +320,6 @@ def input_pulley(drive: BevelDrive, in_assembly: Stack, name: str) -> dims.Input
         upper_neck_radius=dims.neck_radius_mm(bearings.input_upper.inner_shoulder_mm, high.stop),
         slots=slots,
         grooves=grooves,
-    )
-
-
-def guide(drive: BevelDrive, levels: Stack) -> IdlerDims:
-    """Guide pulley: walls in the middle between the steps, so that the landing point may move in both directions."""
-    cables = sorted(drive.cables, key=lambda c: c.step)
-    flank = drive.cable.diameter_mm / 2
-    bearing = drive.bearings.guide
-    return IdlerDims(
-        bottom_z=levels.guide_bottom_z,
-        top_z=levels.guide_top_z,
-        surface_radii=tuple(c.guide_radius_mm - flank for c in cables),
-        walls_z=tuple((a.drum_radius_mm + b.drum_radius_mm) / 2 for a, b in pairwise(cables)),
-        seat_radius=bearing.outer_diameter_mm / 2,
-        seat_depth=bearing.width_mm,
-        shoulder_radius=bearing.outer_shoulder_mm / 2,
-    )
-
-
-def axle(drive: BevelDrive, levels: Stack) -> AxleDims:
-    """Guide axle between bearing shelf and top plate, with the spacer above the upper bearing."""
-    bearing = drive.bearings.guide
-    return AxleDims(
-        radius=bearing.bore_mm / 2,
-        bottom_z=levels.bearing_shelf_bottom_z,
-        top_z=levels.top_plate_top_z,
-        collar_radius=bearing.inner_shoulder_mm / 2,
-        collar_bottom_z=levels.bearing_shelf_top_z,
-        collar_top_z=levels.guide_bottom_z,
-        spacer_bottom_z=levels.guide_top_z,
-        spacer_top_z=levels.top_plate_bottom_z,
     )
 
 

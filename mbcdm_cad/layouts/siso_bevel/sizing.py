@@ -10,7 +10,7 @@ from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Freedom
 from mbcdm_cad.layouts import common_rules, head_dims
 from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.layouts.bevel_sizing import RADII, TransferKnown, land_edge, outer_face, transfer_gap
+from mbcdm_cad.layouts.bevel_sizing import GUESSES, RADII, TransferKnown, land_edge, outer_face, transfer_gap
 from mbcdm_cad.layouts.common_rules import SCHEMA_VERSION, half_travel, missing_travel, needed
 from mbcdm_cad.layouts.head_basis import LIMITS, METALS, ROPE_LIMITS, TRAIN, rope, taut_preload, taut_rope
 from mbcdm_cad.layouts.head_parts import PARTS
@@ -20,7 +20,6 @@ from mbcdm_cad.layouts.siso_bevel.design_file import REFERENCE
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.layouts.stiff_sizing import SHARED, walls
-from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE
 from mbcdm_cad.parts.fits import MOUNT_SCREWS
 from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up, rule
 
@@ -183,23 +182,16 @@ def _first_guesses(given: DirectKnown) -> dict[str, Any]:
     """Values of a drive of medium size, for fields that the first pass does not know yet."""
     radius_mm = given.drum_mm
     return {
-        **MIDDLE_SIZE,
+        **GUESSES,
         # An open ratio is found with the reserve open too: a guess of it would exclude the highest ratios.
         **({at.transmission.reserve_deg: RESERVE_DEG} if given.has(at.transmission.input_to_drum) else {}),
         at.transmission.drum_radii_mm: [radius_mm, 1.06 * radius_mm],
-        at.clearances.land_edge_mm: 0.15,
-        at.clearances.transfer_gap_mm: 0.1,
-        at.drive.motor: "motor-2.9mNm-15",
-        at.drive.gearhead: "gearhead-76-16",
-        at.drum.tensioner: "M2",
         at.drum.sector_half_angle_deg: 90.0,
         at.drum.rim_inner_radius_mm: 0.8 * radius_mm,
         at.drum.outer_face_y_mm: 40.0,
         at.drum.hub_face_y_mm: 60.0,
-        at.support.side_wall_mm: 5.0,
         at.support.back_plate_mm: 4.0,
         at.support.rib_mm: 5.0,
-        at.support.mount_screw: "M3",
     }
 
 

@@ -22,7 +22,7 @@ from mbcdm_cad.layouts.bevel_transfer import toleranced, transfer_stacks
 from mbcdm_cad.layouts.miso_bevel.cable_path import BLEND_DIAMETERS, fleet_angle_deg, guide_landing_walk_mm, winding
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.stack import band, outward_of, smallest_lead_mm
+from mbcdm_cad.layouts.miso_bevel.stack import band, smallest_lead_mm
 from mbcdm_cad.model.tolerance import Contribution, StackUp, tightest
 from mbcdm_cad.parts.drum_sector.design import END_PLAY_MM
 from mbcdm_cad.parts.making import axial_play_mm, body_accuracy, land_band_mm, rope_band_mm
@@ -165,7 +165,7 @@ def input_walk(s: BevelLayout) -> Findings:
     s.levels  # noqa: B018 - without levels there are no bands
     for name in s.drive.input_names:
         low, high = (c for c in s.steps if c.input_name == name)
-        bands = [band(s.drive, c, outward_of(s.drive, c)) for c in (low, high)]
+        bands = [band(s.drive, c) for c in (low, high)]
         what = f"{name} input pulley: flanks of {low.name} and {high.name} from the wall between them"
         yield (what, (bands[1].low_mm - bands[0].high_mm) / 2, CABLE_GAP_MM)
 

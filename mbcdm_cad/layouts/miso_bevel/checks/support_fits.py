@@ -7,7 +7,7 @@ from mbcdm_cad.checks.design_variables import down, downs, up, ups
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, corner_gap
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.stack import band, key_gap_mm, outward_of, plate_screw_of
+from mbcdm_cad.layouts.miso_bevel.stack import band, key_gap_mm, plate_screw_of
 from mbcdm_cad.layouts.miso_bevel.support import AXLE_SCREW, HEAD_ROOM_MM, dowel_length_mm
 from mbcdm_cad.parts.part import pocket_corner_mm
 
@@ -126,7 +126,7 @@ def pulley_corner(s: BevelLayout) -> Findings:
             lowest = (p.upper_land_radius, -p.land_top_z)
         edges = (
             lowest,
-            (low.input_radius_mm + s.flank_mm, band(s.drive, low, outward_of(s.drive, low)).low_mm),
+            (low.input_radius_mm + s.flank_mm, band(s.drive, low).low_mm),
             (high.input_radius_mm + s.flank_mm, -p.wall_z if s.drive.motors_above else p.wall_z),
         )
         gap = min(

@@ -181,25 +181,6 @@ def _transmission(design: DirectDesign) -> Iterator[Broken]:
         yield Broken(step, "steps do not grow", f"{large:g} mm", f"over {small:g} mm", remedy)
 
 
-STARTING = """\
-# Requirements of a cable drive; every other field follows from them by a rule ('mbcdm explain FILE' says how).
-# Lengths in mm, angles in degrees. Any field of docs/design-file.md may be given too: it then stays as it is.
-name: {name}
-configuration: siso_bevel
-travel:
-  half_angle_deg: 35.0      # deg: travel each way from the centred drum
-transmission:
-  drum_radius_mm: 60.0      # mm: drum pitch radius of step 1; step 2 follows
-  # input_to_drum: 4.5      # left out: the most that the travel leaves on one turn of the input
-loads:
-  peak_torque_Nm: 0.9       # N m: torque to hold both ways
-  # structure_share: 0.5    # turn of the payload by all other parts over that by the cables, at most; left out: that
-                            # where 1 % of mass buys 1 % less turn of the payload
-limits:
-  losses: counted           # the torque counts what gearheads, cables and bearings lose; paper: no losses
-# rope: {{type: FF-081}}      # left out: the thinnest 7x7 wire rope that holds
-# drum: {{material: pa12}}    # left out: aluminium; so for support
-"""
 DESIGN_FILE = DesignFile(
     DirectDesign,
     REFERENCE.values,
@@ -207,5 +188,5 @@ DESIGN_FILE = DesignFile(
     named_entries,
     drive,
     LazySizing("mbcdm_cad.layouts.siso_bevel.sizing"),
-    STARTING,
+    Path(__file__).with_name("starting.txt").read_text("utf-8"),
 )

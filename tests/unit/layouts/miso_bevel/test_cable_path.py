@@ -22,7 +22,7 @@ from mbcdm_cad.layouts.miso_bevel.cable_path import (
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.path_figures import path_figures, plan
-from mbcdm_cad.layouts.miso_bevel.stack import band, outward_of
+from mbcdm_cad.layouts.miso_bevel.stack import band
 from mbcdm_cad.model.tensioning import balanced_tension_N
 from mbcdm_cad.routes.curves import Arc, Helix, Line
 from tests.support.sliced_cables import self_clearance_mm
@@ -202,8 +202,8 @@ def test_walk_is_the_lead_times_the_turns(drive: BevelDrive) -> None:
 def test_band_on_the_input_pulley(drive: BevelDrive) -> None:
     """-1.17 mm inward, +2.04 mm outward of the step plane."""
     for c in drive.cables:
-        outward = outward_of(drive, c)
-        limits = band(drive, c, outward)
+        outward = winding(drive, c).outward
+        limits = band(drive, c)
         edges = sorted(outward * (z - c.drum_radius_mm) for z in (limits.low_mm, limits.high_mm))
         assert edges == pytest.approx([-1.17, 2.04], abs=0.006), f"{c.name}: {edges}"
 
@@ -361,7 +361,7 @@ def test_limits_are_where_they_are_said_to_be(dims: BevelLayout, figures: Travel
         elif "comes round" in kind:
             assert wrap + atan2(terminal.last_tip, terminal.radius_mm) == pytest.approx(tau)
         elif "dead turns" in kind:
-            wound = tau * drive.dead_turns + w.reduction * (radians(drive.half_travel_deg) - w.payout * angle)
+            wound = tau * drive.dead_turns + w.reduction * (radians(drive.half_travel_deg) - run.drum_side * angle)
             assert wound == pytest.approx(0.0, abs=1e-9)
         else:
             path = cable_path(drive, run, pi, 1.0, angle)

@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from mbcdm_cad.layouts.miso_bevel.cable_path import guide_landing_walk_mm
+from mbcdm_cad.layouts.miso_bevel.cable_path import guide_landing_walk_mm, winding
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.stack import band, outward_of, stack
+from mbcdm_cad.layouts.miso_bevel.stack import band, stack
 from mbcdm_cad.parts.drum_sector.design import END_PLAY_MM, SHELF_GAP_MM
 from mbcdm_cad.parts.input_pulley.dims import helix_stop_land_mm
 
@@ -65,8 +65,8 @@ def test_levels_are_in_order(dims: BevelLayout) -> None:
 def test_input_pulley_reaches_past_its_turns_by_the_slots_wall(drive: BevelDrive, dims: BevelLayout) -> None:
     for pulley in dims.inputs:
         low, high = sorted((c for c in drive.cables if c.input_name == pulley.name), key=lambda c: c.step)
-        assert pulley.land_bottom_z == band(drive, low, outward_of(drive, low)).low_mm - helix_stop_land_mm(drive)
-        assert pulley.land_top_z == band(drive, high, outward_of(drive, high)).high_mm + helix_stop_land_mm(drive)
+        assert pulley.land_bottom_z == band(drive, low).low_mm - helix_stop_land_mm(drive)
+        assert pulley.land_top_z == band(drive, high).high_mm + helix_stop_land_mm(drive)
         assert pulley.land_bottom_z < low.drum_radius_mm < pulley.wall_z < high.drum_radius_mm < pulley.land_top_z
 
 
@@ -84,9 +84,9 @@ def test_no_stop_stands_out_of_its_pulley(drive: BevelDrive, stop_radius_ratio: 
 def test_dead_turns_lie_on_the_outer_ends(drive: BevelDrive) -> None:
     """Both helices of a pulley have the same hand and wind apart, or they would meet in the middle."""
     for cable in drive.cables:
-        outward = outward_of(drive, cable)
+        outward = winding(drive, cable).outward
         assert outward == (1 if cable.step in (2, 4) else -1)
-        limits = band(drive, cable, outward)
+        limits = band(drive, cable)
         assert abs(limits.dead_end_mm - cable.drum_radius_mm) == pytest.approx(0.761 + 0.87, abs=0.001)
         assert (limits.dead_end_mm - cable.drum_radius_mm) * outward > 0
 
