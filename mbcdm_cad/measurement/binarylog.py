@@ -13,7 +13,7 @@ import importlib
 import json
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +34,7 @@ LEAST_OF_FULLEST = 0.05
 NS_IN_S = 1e9
 
 
-@dataclass(frozen=True, eq=False)
+@dataclasses.dataclass(frozen=True, eq=False)
 class Series:
     """One column: its figures, the unit that the file states, and its own times where it has some."""
 
@@ -45,7 +45,7 @@ class Series:
     stamp_s: Floats | None = None
 
 
-@dataclass(frozen=True, eq=False)
+@dataclasses.dataclass(frozen=True, eq=False)
 class BinaryLog:
     """The columns of a binary log."""
 
@@ -77,10 +77,13 @@ class BinaryLog:
                 remedy = "give another column as the time" if missing else "give a column of the log, no time"
                 raise self._wrong(f"no {time} of {missing[0] if missing else 'a quantity'}", remedy)
             # A message may hold no figure where a sensor had none.
-            rows = [np.flatnonzero(np.isfinite(one.values)) for one in chosen]
-            times = [at[row] for at, row in zip(found, rows, strict=True) if at is not None]
-            values = [one.values[row] for one, row in zip(chosen, rows, strict=True)]
-            return aligned(self.path, channels, [row + 1 for row in rows], times, values, 1)
+            whole = [np.isfinite(one.values) for one in chosen]
+            tables = [
+                np.stack([at[row], one.values[row], 1.0 + np.flatnonzero(row)])
+                for one, at, row in zip(chosen, found, whole, strict=True)
+                if at is not None
+            ]
+            return aligned(self.path, channels, tables, 1)
         if min(indices) < own:
             raise self._wrong(f"{self.layout.names[min(indices)]} is the time of messages, no quantity", "correct it")
         chosen = [self.series[k - own] for k in indices]
@@ -307,7 +310,11 @@ def _bag(path: Path) -> Iterator[Series]:
 def _json_lines(path: Path) -> Iterator[Series]:
     """The fields of a log with one object a line, from the lines that have those of most."""
     with open(path, encoding="utf-8", errors="replace") as file:
-        rows = [_figures_of_line(line) for line in file if line.strip()]
+        rows = list[dict[str, float]]()
+        for line in filter(str.strip, file):
+            rows.append({})
+            with suppress(ValueError):  # a line that was cut has no figures
+                rows[-1] = {name.lstrip("/"): value for name, value in _flat("", json.loads(line))}
     names, often = Counter(frozenset(row) for row in rows).most_common(1)[0]
     if often < (1.0 - LEAST_OF_FULLEST) * len(rows):
         odd = len(rows) - often
@@ -315,14 +322,6 @@ def _json_lines(path: Path) -> Iterator[Series]:
     kept = [row for row in rows if frozenset(row) == names]
     for name in kept[0] if kept else ():
         yield Series(name, np.array([row[name] for row in kept]))
-
-
-def _figures_of_line(line: str) -> dict[str, float]:
-    """The figures of one line by their names; none of a line that was cut."""
-    try:
-        return {name.lstrip("/"): value for name, value in _flat("", json.loads(line))}
-    except ValueError:
-        return {}
 
 
 class _Messages:

@@ -144,10 +144,8 @@ def readings_findings(run: Run, ratio: float, travel_rad: float | None, d: Drive
         yield refused("reversed_load", text, REVERSED_LOAD, "columns", "load_torque")
     half_cycles = path.read.size - 1
     what = "inputs" if moves else "load, with the inputs at rest"
-    text = f"a table of {run.time_s.size} turning points of the {what}: {half_cycles} half cycles"
-    yield fact(
-        "turning_points", f"a table of {run.time_s.size} readings along the way of the {what}" if path.along else text
-    )
+    rows, ends = ("readings along the way", "") if path.along else ("turning points", f": {half_cycles} half cycles")
+    yield fact("turning_points", f"a table of {run.time_s.size} {rows} of the {what}{ends}")
     if path.along and np.unique(path.sense[path.sense != 0.0]).size < 2:
         text = "all rows go one way: none is a turning point, and a gauge that drifts looks like what is to be found"
         yield refused("one_way", text, "read to both sides, or back again", "kind")

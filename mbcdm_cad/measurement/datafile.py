@@ -269,31 +269,22 @@ def read_channels(
     where the time begins again, from row to row of the file whatever their channels. Raises InputError for a channel
     without samples.
     """
-    lines, times, values = _series(path, layout, (time, named_by, clock), channels, time_wraps_at)
-    return aligned(path, channels, lines, times, values, layout.begin_line)
+    tables = _series(path, layout, (time, named_by, clock), channels, time_wraps_at)
+    return aligned(path, channels, tables, layout.begin_line)
 
 
-def aligned(
-    path: Path,
-    channels: Sequence[Channel],
-    lines: Sequence[NDArray[np.int64]],
-    times: Sequence[Floats],
-    values: Sequence[Floats],
-    begin_line: int,
-) -> DataTable:
-    """Time and channels as rows of a table, from the lines, times and figures of each channel.
+def aligned(path: Path, channels: Sequence[Channel], tables: Sequence[Floats], begin_line: int) -> DataTable:
+    """Time and channels as rows of a table, from the times, figures and lines (3, m) of each channel.
 
     Raises InputError for a channel without samples, and where they were not logged together.
     """
-    for channel, at in zip(channels, times, strict=True):
-        if at.size < FEWEST:
+    for channel, table in zip(channels, tables, strict=True):
+        if table.shape[1] < FEWEST:
             where = f"channel {channel.name!r}" if channel.name else f"column {channel.column + 1}"
             what = f"no samples of {channel.quantity} in {where}"
             raise wrong(path, begin_line, what, "check its name and column")
-    order = [np.unique(at, return_index=True)[1] for at in times]
-    lines = [row[k] for row, k in zip(lines, order, strict=True)]
-    times = [row[k] for row, k in zip(times, order, strict=True)]
-    values = [row[k] for row, k in zip(values, order, strict=True)]
+    tables = [table[:, np.unique(table[0], return_index=True)[1]] for table in tables]
+    times = [table[0] for table in tables]
     base = next((k for k, c in enumerate(channels) if c.quantity == "output"), int(np.argmax([t.size for t in times])))
     at = times[base]
     kept = (at >= max(float(t[0]) for t in times)) & (at <= min(float(t[-1]) for t in times))
@@ -305,18 +296,18 @@ def aligned(
         what = "at no time were all quantities logged"
         raise wrong(path, begin_line, what, "check that all are of one run")
     rows: list[Floats] = [at[kept]]
-    for channel, own, found in zip(channels, times, values, strict=True):
+    for channel, (own, found, _) in zip(channels, tables, strict=True):
         whole = found if channel.wraps_at is None else np.unwrap(found, period=channel.wraps_at)
         rows.append(np.interp(at[kept], own, whole))
-    last = int(lines[base].max())
-    skipped = np.setdiff1d(np.arange(begin_line, last + 1), lines[base][kept])
+    lines = tables[base][2].astype(np.int64)
+    skipped = np.setdiff1d(np.arange(begin_line, lines.max() + 1), lines[kept])
     return DataTable(np.stack(rows), 0, (), begin_line, skipped)
 
 
 def _series(
     path: Path, layout: Format, place: tuple[int, int | None, bool], channels: Sequence[Channel], wraps: float | None
-) -> tuple[list[NDArray[np.int64]], list[Floats], list[Floats]]:
-    """Lines, times and figures of each channel, as they stand in the file."""
+) -> list[Floats]:
+    """Times, figures and lines (3, m) of each channel, as they stand in the file."""
     time, named_by, clock = place
     found: list[list[tuple[float, float, int]]] = [[] for _ in channels]
     begun, last = 0.0, -np.inf
@@ -344,9 +335,4 @@ def _series(
                     continue
                 if np.isfinite(value):
                     found[k].append((at, value, number))
-    tables = [np.array(rows, dtype=float).reshape(-1, 3) for rows in found]
-    return (
-        [table[:, 2].astype(np.int64) for table in tables],
-        [table[:, 0] for table in tables],
-        [table[:, 1] for table in tables],
-    )
+    return [np.array(rows, dtype=float).reshape(-1, 3).T for rows in found]

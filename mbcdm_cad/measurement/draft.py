@@ -6,7 +6,6 @@ The reference page of all fields is written here too.
 """
 
 import math
-import re
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -101,18 +100,10 @@ def _response_text(
     over, why = "inputs", f"a gain of {low:.4g} at the lowest frequencies is one over {turns:.6g} turns"
     if gain.unit in logformat.GIVE or abs(math.log(low * turns)) > math.log(1.5):
         over, why = "torque", f"a gain of {low:.4g} at the lowest frequencies is no ratio of this drive"
-    units = {
-        "frequency": f_unit,
-        "gain": logformat.DECIBEL
-        if dB
-        else gain.unit
-        if gain.unit in logformat.GIVE
-        else "'-'"
-        if over == "inputs"
-        else "rad/(N*m)",
-        "phase": deg,
-        "coherence": "'%'" if "coherence" in found and float(found["coherence"].values.max()) > 1.5 else "'-'",
-    }
+    of_gain = gain.unit if gain.unit in logformat.GIVE else "'-'" if over == "inputs" else "rad/(N*m)"
+    percent = "coherence" in found and float(found["coherence"].values.max()) > 1.5
+    units = {"frequency": f_unit, "gain": logformat.DECIBEL if dB else of_gain, "phase": deg}
+    units["coherence"] = "'%'" if percent else "'-'"
     block = f"{{over: {over}" + (f", turns: {turns:.6g}" if over == "inputs" and turns != ratio else "") + "}"
     level = "amplitude_Nm" if over == "torque" else "amplitude_rad"
     lines = [
@@ -163,14 +154,8 @@ def _columns(data: Path) -> tuple[_Table, list[roles.Guess]]:
         raise wrong(data, 1, f"cannot be read: {error.strerror or error}", "check the path") from None
     found = []
     for index, values in zip(chosen, table.values, strict=True):
-        name = layout.names[index] if index < len(layout.names) else ""
-        unit = layout.units[index] if index < len(layout.units) else ""
-        inside = re.search(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\s*$", name)
-        unit = (
-            logformat.ISO_CLOCK
-            if index == found_table.clock
-            else unit.strip("[]() ") or (inside.group(1) if inside else "")
-        )
+        name, told = layout.told(index)
+        unit = logformat.ISO_CLOCK if index == found_table.clock else told
         found.append(roles.Guess(name or index + 1, unit, values))
     return found_table, found
 
@@ -279,11 +264,8 @@ def _is_read(row: list[str], k: int, layout: Format, reads: Callable[[str], floa
 def _lengths(output: roles.Guess, inputs: Sequence[roles.Guess], expected: roles.Expected) -> None:
     """Draft the radius of an angle that was measured as a length: that with which the ratio is met."""
     for column in (output, *inputs):
-        unit = (
-            column.unit
-            if column.unit in logformat.LENGTH
-            else next((u for u in ("mm", "um") if u in column.words[-1:]), "")
-        )
+        ending = next((u for u in ("mm", "um") if u in column.words[-1:]), "")
+        unit = column.unit if column.unit in logformat.LENGTH else ending
         if not unit:
             continue
         other = inputs[0] if column is output and inputs else output
@@ -307,9 +289,8 @@ def _begun_again(column: roles.Guess) -> None:
     if column.unit in logformat.TIME or column.says(roles.TIME_WORDS):
         begins_again = _begins_again(column.values)
     elif covered:
-        r = min(
-            (r for r in (roles.COUNTS_SOLD if column.whole else roles.TURNS.values()) if r >= covered), default=np.inf
-        )
+        ranges = roles.COUNTS_SOLD if column.whole else roles.TURNS.values()
+        r = min((r for r in ranges if r >= covered), default=np.inf)
         # A step of more than this share of the range may be one back as well as one forward.
         if bool(np.any(np.abs(steps) > 0.5 * r)) and covered >= (1.0 - roles.MET) * r:
             told = np.quantile(np.abs(np.diff(np.unwrap(column.values, period=r))), 0.999) <= FULL_SENSE * r

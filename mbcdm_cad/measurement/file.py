@@ -104,23 +104,15 @@ def _has_fields(text: str) -> bool:
 def _strange_columns(path: Path, tree: yamltree.Tree) -> list[Problem]:
     """Columns that are neither a quantity nor an input, and the one of the output where it is missing."""
     columns = tree.data.get("columns") if isinstance(tree.data, dict) else None
-    strange = [key for key in columns if not schema.is_column(str(key))] if isinstance(columns, dict) else []
+    if not isinstance(columns, dict):
+        return []
     known = [*schema.Columns.model_fields, "input_<name of an input of the design>"]
-    missing = []
-    if isinstance(columns, dict) and not {"output", "frequency"} & set(columns):
+    unknown = [key for key in columns if not schema.is_column(str(key))]
+    found = [(("columns", key), "unknown field", did_you_mean(str(key), known)) for key in unknown]
+    if not {"output", "frequency"} & set(columns):
         remedy = "add it, for example output: {column: q_out, unit: rad}; or frequency, of an analyser's table"
-        where: FieldPath = ("columns", "output")
-        missing = [Problem(str(path), tree.line_of(where), dotted(where), "missing", remedy=remedy)]
-    return missing + [
-        Problem(
-            str(path),
-            tree.line_of(("columns", key)),
-            dotted(("columns", key)),
-            "unknown field",
-            remedy=did_you_mean(str(key), known),
-        )
-        for key in strange
-    ]
+        found.insert(0, (("columns", "output"), "missing", remedy))
+    return [Problem(str(path), tree.line_of(at), dotted(at), what, remedy=remedy) for at, what, remedy in found]
 
 
 TWO = "keep one of the two"
@@ -190,11 +182,8 @@ def _of_currents(
         remedy = f"{TWO}; beside the currents a load of a weight on an arm may be stated, pendulum"
         yield first, "given beside load: none", remedy
     if logformat.LOAD in asked and content.kind != schema.MOTION:
-        yield (
-            first,
-            f"given beside columns.{logformat.LOAD}",
-            f"{TWO}: only a run of kind {schema.MOTION} compares them",
-        )
+        remedy = f"{TWO}: only a run of kind {schema.MOTION} compares them"
+        yield first, f"given beside columns.{logformat.LOAD}", remedy
     if sorted(inputs) != sorted(key.replace(schema.CURRENT, "input", 1) for key in currents):
         remedy = "give the current of each input's motor, current_<name> for input_<name>"
         yield first, "currents are not those of the inputs", remedy, ", ".join(currents)
@@ -207,21 +196,15 @@ def _of_currents(
 def _of_table(content: schema.Measurement, asked: dict[str, schema.Column]) -> Iterator[Broken]:
     """Of an analyser's table: fields that a log has in place of it, and what its gain is over."""
     if content.kind != schema.FREQUENCY_RESPONSE:
-        yield (
-            ("kind",),
-            "a table over frequency is of another kind",
-            f"say kind: {schema.FREQUENCY_RESPONSE}",
-            content.kind,
-        )
+        remedy = f"say kind: {schema.FREQUENCY_RESPONSE}"
+        yield ("kind",), "a table over frequency is of another kind", remedy, content.kind
     for key in ("gain", "phase"):
         if key not in asked:
             remedy = f"give its column: a table of an analyser has frequency, {key} and more"
             yield ("columns", key), "missing", remedy
     stated = sorted(content.model_fields_set & {"load", "motor", "sample_rate_Hz", "rows", "channel_column"})
-    of_logs: list[FieldPath] = [("columns", key) for key in asked if key not in schema.TABLE] + [
-        (key,) for key in stated
-    ]
-    for where in of_logs:
+    of_logs: list[FieldPath] = [("columns", key) for key in asked if key not in schema.TABLE]
+    for where in (*of_logs, *((key,) for key in stated)):
         yield where, "given beside columns.frequency", f"{TWO}: a table over frequency, or a log over time"
     block = content.response or schema.ResponseBlock.model_construct()
     torque = block.over == "torque"
@@ -263,22 +246,16 @@ def _of_columns(content: schema.Measurement, asked: dict[str, schema.Column]) ->
     for quantity, column in asked.items():
         where, unit, kind = ("columns", quantity), column.unit.strip(), logformat.kind_of(quantity)
         angle, counts, wraps_at = kind in logformat.ENCODERS, unit in (logformat.COUNTS, "count"), column.wraps_at
-        if column.side == "motor" and kind != "input":
-            remedy = "leave side out: only an input's encoder can sit before a gearhead"
-            yield (*where, "side"), f"given for {quantity}", remedy, "motor", "drive"
-        elif column.side == "motor" and content.ratio is not None:
-            remedy = "leave side out, and give the ratio from the encoder to the output"
-            yield (*where, "side"), "given beside ratio", remedy, "motor", "drive"
+        if column.side == "motor" and (kind != "input" or content.ratio is not None):
+            what, remedy = "given beside ratio", ", and give the ratio from the encoder to the output"
+            if kind != "input":
+                what, remedy = f"given for {quantity}", ": only an input's encoder can sit before a gearhead"
+            yield (*where, "side"), what, f"leave side out{remedy}", "motor", "drive"
         if wraps_at is not None and not (angle or kind == "time"):
             remedy = "leave wraps_at out: only an angle or a time begins again"
             yield (*where, "wraps_at"), f"given for {quantity}", remedy, f"{wraps_at:g}"
-        arm = (
-            "lever_arm_mm"
-            if quantity == logformat.LOAD and unit in logformat.FORCE
-            else "radius_mm"
-            if angle and unit in logformat.LENGTH
-            else ""
-        )
+        arm = "lever_arm_mm" if quantity == logformat.LOAD and unit in logformat.FORCE else ""
+        arm = "radius_mm" if angle and unit in logformat.LENGTH else arm
         for name, (missing, give, leave) in _ARMS.items():
             value = getattr(column, name)
             if name == arm and value is None:

@@ -121,7 +121,10 @@ class _Motion(RunKind):
         yield from (_startup(rows), _far_off(rows), _not_moved(rows))
 
     def findings(self, run: Run, known: Declared) -> Iterator[VettingNote]:
-        thin, found = _thinned(run), list(signal_findings(run, known.ratio))
+        rows = {name: getattr(run, name) for name in ("time_s", "input_rad", "output_rad", "load_Nm", "temperature_C")}
+        every = max(1, run.time_s.size // MOST_SAMPLES)
+        thin = replace(run, **{name: row[..., ::every] for name, row in rows.items() if row is not None})
+        found = list(signal_findings(run, known.ratio))
         # An angle that jumps has no meaningful slope.
         if not any(note.level == "refused" for note in found):
             notes = column_findings(thin, known.ratio, known.travel_rad, known.d)
@@ -334,19 +337,3 @@ def _on_the_motor(note: VettingNote, run: Run, known: Declared) -> VettingNote:
         f"{known.gearhead_ratio:g}: its encoder sits on the motor"
     )
     return refused("unit", text, "set side: motor on the columns of the inputs", *note.field, "side")
-
-
-def _thinned(run: Run) -> Run:
-    stride = max(1, run.time_s.size // MOST_SAMPLES)
-
-    def every(values: Floats | None) -> Floats | None:
-        return None if values is None else values[..., ::stride]
-
-    return replace(
-        run,
-        time_s=run.time_s[::stride],
-        input_rad=run.input_rad[:, ::stride],
-        output_rad=run.output_rad[::stride],
-        load_Nm=every(run.load_Nm),
-        temperature_C=every(run.temperature_C),
-    )

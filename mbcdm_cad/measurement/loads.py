@@ -10,9 +10,9 @@ of the load in it. Friction between gearhead and cables is in it too; the loop h
 Source: derived; the loss is that of a gearhead whose friction grows with the torque carried.
 """
 
-import math
+from contextlib import suppress
 from dataclasses import replace
-from math import exp, hypot, inf, sqrt
+from math import exp, hypot, inf, pi, radians, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,7 @@ from mbcdm_cad.layouts.structure import input_play_rad, structure_of
 from mbcdm_cad.measurement.run import BesideSensor, PartsSeen, Run, TorqueClass, half_sweeps, smoothed
 from mbcdm_cad.measurement.schema import MOTION, CountedParts, MotorBlock, Pendulum
 from mbcdm_cad.model import losses
-from mbcdm_cad.model.structure.causes import sigma_urad_Nm, urad_Nm
+from mbcdm_cad.model.structure.causes import Cause, sigma_urad_Nm, urad_Nm
 from mbcdm_cad.routes import Floats
 
 # The acceleration is that of a curve of fifth order over this share of the motion's period (2 pi times angle over
@@ -43,9 +43,9 @@ def pendulum_load_Nm(arm: Pendulum, output_rad: Floats, time_s: Floats) -> Float
     m g a sin(angle - vertical) + (J + m a^2) times the acceleration, from the measured output (n,) rad at ``time_s``.
     """
     lever = 1e-3 * arm.arm_mm
-    weight = arm.mass_kg * STANDARD_GRAVITY_M_S2 * lever * np.sin(output_rad - math.radians(arm.vertical_deg))
+    weight = arm.mass_kg * STANDARD_GRAVITY_M_S2 * lever * np.sin(output_rad - radians(arm.vertical_deg))
     inertia = arm.inertia_kg_m2 + arm.mass_kg * lever**2
-    return np.asarray(weight + inertia * acceleration_rad_s2(output_rad, time_s))
+    return np.asarray(weight + inertia * motion_of(output_rad, time_s)[1])
 
 
 def motion_of(angle_rad: Floats, time_s: Floats) -> tuple[Floats, Floats, float]:
@@ -57,17 +57,12 @@ def motion_of(angle_rad: Floats, time_s: Floats) -> tuple[Floats, Floats, float]
     # A chord between uneven samples would bend at each of them.
     angle = CubicSpline(time_s, angle_rad)(even)
     quiet = savgol_filter(angle, min(LEAST_SAMPLES, n - 1 + n % 2), ORDER, deriv=1, delta=step)
-    period = 2.0 * math.pi * float(np.std(angle)) / max(float(np.std(quiet)), 1e-30)
+    period = 2.0 * pi * float(np.std(angle)) / max(float(np.std(quiet)), 1e-30)
     width = int(np.clip(SHARE_OF_PERIOD * period / step, LEAST_SAMPLES, n // 2)) // 2 * 2 + 1
     smooth, bent = (savgol_filter(angle, width, ORDER, deriv=order, delta=step) for order in (1, 2))
     # By the median, to which the turns of a triangle do not matter.
     faster = 1.4826 * float(np.median(np.abs(quiet - smooth)))
     return np.interp(time_s, even, smooth), np.interp(time_s, even, bent), faster
-
-
-def acceleration_rad_s2(angle_rad: Floats, time_s: Floats) -> Floats:
-    """Second derivative of a measured angle, (n,), as :func:`motion_of`."""
-    return motion_of(angle_rad, time_s)[1]
 
 
 # Below this share of its RMS, and of the standard deviations of a faster one, the sense of the speed is not sharp.
@@ -228,30 +223,21 @@ def figures_of(given: MotorBlock, drive: Drive) -> MotorBlock:
     return given.model_copy(update={name: v for name, v in of_design.items() if getattr(given, name) is None})
 
 
-_URAD = 1e-6
-
-
 def parts_seen(drive: Drive, counted: CountedParts, motor_side: bool) -> PartsSeen:
     """Give, friction and play of a drive's parts between the encoders of a run.
 
     ``motor_side``: whether the inputs' encoders sit before the gearheads. A part without a figure counts as rigid.
     """
-    give, sigma = _give_urad_Nm(drive, counted.output_at == "payload", motor_side) if counted.structure else (0.0, 0.0)
+    causes: tuple[Cause, ...] = ()
+    if counted.structure:
+        with suppress(NoFigureError):
+            if (structure := structure_of(layout_of(drive))) is not None:
+                causes = structure.causes if motor_side else structure.at_payload
+    seen = [cause for cause in causes if counted.output_at == "payload" or cause.at_encoder]
+    give, sigma = 1e-6 * urad_Nm(seen), 1e-6 * sigma_urad_Nm(seen)
     torque, spread = drum_friction_Nm(drive) if counted.losses else (0.0, 0.0)
     play = input_play_rad(drive, motors_held=True) if counted.structure and motor_side else 0.0
-    return PartsSeen(give * _URAD, sigma * _URAD, torque, exp(spread / torque) if torque else 1.0, play)
-
-
-def _give_urad_Nm(drive: Drive, payload: bool, motor_side: bool) -> tuple[float, float]:
-    """Turn of the reading for 1 N m, with its standard deviation."""
-    try:
-        structure = structure_of(layout_of(drive))
-    except NoFigureError:
-        return 0.0, 0.0
-    if structure is None:
-        return 0.0, 0.0
-    seen = [c for c in (structure.causes if motor_side else structure.at_payload) if payload or c.at_encoder]
-    return urad_Nm(seen), sigma_urad_Nm(seen)
+    return PartsSeen(give, sigma, torque, exp(spread / torque) if torque else 1.0, play)
 
 
 def drum_friction_Nm(drive: Drive) -> tuple[float, float]:

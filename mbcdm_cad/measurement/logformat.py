@@ -156,6 +156,7 @@ LONGEST_UNIT = 12
 ARROW = " -> "
 # A line of candump: (1436509052.249713) can0 044#2A366C2BBA, with or without -l.
 _CAN_FRAME = re.compile(rb"\s*(\([\d.:\s-]+\)\s+)?v?s?l?can\d+\s+[0-9A-Fa-f]{3,8}(#|\s+\[\d+\])")
+_IN_BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\s*\Z")
 # A cell with its name, as motor:1.25.
 _LABEL = re.compile(r"[A-Za-z_][^:]*:\s*[-+]?[\d.]")
 # A list in a cell, as of a bag's messages or a printed array, and the sign between its elements once it is read.
@@ -185,6 +186,13 @@ class Format:
     units_line: int = 0
     unnamed: bool = False
     labelled: bool = False
+
+    def told(self, index: int) -> tuple[str, str]:
+        """Name of a column, and its unit by the row of units or by brackets at the end of the name; empty for none."""
+        name = self.names[index] if index < len(self.names) else ""
+        unit = self.units[index] if index < len(self.units) else ""
+        inside = _IN_BRACKETS.search(name)
+        return name, unit.strip("[]() ") or (inside[1] if inside else "")
 
     def cells(self, line: str) -> list[str]:
         """Cells of a line, without the labels of a table that repeats its names in each row."""

@@ -23,7 +23,6 @@ from mbcdm_cad.routes import Floats
 
 # A step of more than this share of the range may be one back as well as one forward, with some room for noise.
 FULL_SENSE = 0.4
-_IN_BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\Z")
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,9 +132,7 @@ def _notes_on_columns(asked: dict[str, Column], layout: Format, indices: list[in
         lines = f"line {last}" if first >= last else f"lines {first} to {last}"
         notes.append(f"no figures on {lines} of {data.name}: taken for units and left out")
     for (quantity, column), index in zip(asked.items(), indices, strict=True):
-        told = layout.units[index] if index < len(layout.units) else ""
-        name = layout.names[index] if index < len(layout.names) else ""
-        told = told.strip("[]() ") or (brackets[1] if (brackets := _IN_BRACKETS.search(name)) else "")
+        told = layout.told(index)[1]
         logged = unit_of(quantity, told)
         # A scale may convert one unit into the other.
         differ = logged is not None and logged != _unit(quantity, column)
@@ -231,8 +228,8 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, so
         inputs = np.zeros((0, rows["time"].size))
     if not names and file.content.ratio is not None:
         names, inputs = ("input",), np.zeros((1, rows["time"].size))
-    currents = [rows[name] for name in rows if name.startswith(CURRENT)]
-    motor = file.content.motor if currents else None
+    drawn = [name.replace("input", CURRENT) for name in rows if name.startswith("input")]
+    motor = file.content.motor if any(name.startswith(CURRENT) for name in rows) else None
     given, known, load_Nm = file.content.sensors, file.content.load, rows.get("load_torque")
     if known is not None:
         zero = np.zeros_like(rows["output"])
@@ -258,9 +255,7 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, so
         file.content.ratio,
         tuple(asked[name].side == "motor" for name in asked if name.startswith("input")),
         counted=file.content.parts,
-        current_A=np.stack([rows[name.replace("input", CURRENT)] for name in rows if name.startswith("input")])
-        if currents
-        else None,
+        current_A=None if motor is None else np.stack([rows[name] for name in drawn]),
         motor=motor,
         kind=file.content.kind,
         excitation=rows.get("excitation"),

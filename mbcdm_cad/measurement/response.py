@@ -136,13 +136,11 @@ def _of_table(table: ResponseTable, ratio: float) -> FrequencyResponse:
     over_torque = table.over == "torque"
     value = table.value if over_torque else table.value * turns
     coherence = np.full(f.size, np.nan) if table.coherence is None else table.coherence
-    nominal = 1.0 if over_torque else 1e-3
-    amplitude = np.full(f.size, nominal)
-    if table.amplitude is not None:
-        amplitude = table.amplitude if over_torque else table.amplitude / turns
-    acceleration = amplitude * np.abs(value) * (2.0 * np.pi * f) ** 2
     if table.amplitude is None:
-        acceleration = np.ones(f.size)
+        amplitude, acceleration = np.full(f.size, 1.0 if over_torque else 1e-3), np.ones(f.size)
+    else:
+        amplitude = table.amplitude if over_torque else table.amplitude / turns
+        acceleration = amplitude * np.abs(value) * (2.0 * np.pi * f) ** 2
     kept = np.asarray(~(coherence <= LEAST_COHERENCE))
     # What the rows scatter by, or what the coherence says of as many averages: neighbours may share a window.
     gamma = np.clip(np.nan_to_num(coherence, nan=1.0), LEAST_COHERENCE, 1.0)

@@ -292,14 +292,9 @@ def _no_angle(column: Guess, moving: Sequence[Guess], time: Guess | None, expect
 def _is_rate(column: Guess, others: Sequence[Guess]) -> bool:
     """Whether the column follows the change of another one: a speed beside its angle."""
     own = column.values[1:]
-    for other in others:
-        change = np.diff(other.values)
-        if other is column or float(np.ptp(change)) == 0.0 or float(np.ptp(own)) == 0.0:
-            continue
-        # An angle that swings follows the change of its speed too, with the other sign.
-        if float(np.corrcoef(own, change)[0, 1]) > 0.99:
-            return True
-    return False
+    changes = [np.diff(other.values) for other in others if other is not column] if np.ptp(own) else []
+    # An angle that swings follows the change of its speed too, with the other sign.
+    return any(float(np.corrcoef(own, change)[0, 1]) > 0.99 for change in changes if np.ptp(change))
 
 
 def _angles(among: list[Guess], expected: Expected) -> Scale | None:
@@ -446,15 +441,10 @@ def output_scale(column: Guess, inputs: Sequence[Guess], expected: Expected) -> 
     if isinstance(begins_again, float):
         return _counted(begins_again, f"whole numbers that begin again after {begins_again:g}")
     if column.whole:
-        enough = next((n for n in COUNTS_SOLD if n >= span and n & (n - 1) == 0), COUNTS_SOLD[-1])
-        return _counted(
-            float(enough), f"whole numbers that span {span:g}: put the counts a turn of the encoder in place"
-        )
-    fits = (
-        []
-        if most is None
-        else [u for u in TRIED if LEAST_TRAVEL * most < span * logformat.ANGLE[u].factor <= 1.05 * most]
-    )
+        enough = float(next((n for n in COUNTS_SOLD if n >= span and n & (n - 1) == 0), COUNTS_SOLD[-1]))
+        return _counted(enough, f"whole numbers that span {span:g}: put the counts a turn of the encoder in place")
+    travel = inf if most is None else most
+    fits = [u for u in TRIED if LEAST_TRAVEL * travel < span * logformat.ANGLE[u].factor <= 1.05 * travel]
     unit = fits[0] if fits else "rad" if most is not None or span < 4.0 * pi else "deg"
     stops = "" if most is None else f", the design {most:.3g} rad between its stops"
     return Scale({"unit": unit}, logformat.ANGLE[unit].factor, f"spans {span:.4g}{stops}: {unit}?")

@@ -1,8 +1,7 @@
 """One measured run in SI units, as every later step uses it, its half sweeps, and one note of its vetting."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from dataclasses import field as with_default
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal, get_args
 
@@ -165,7 +164,7 @@ class Run:
     output_rad: Floats
     load_Nm: Floats | None = None
     temperature_C: Floats | None = None
-    sensors: Sensors = with_default(default_factory=Sensors)
+    sensors: Sensors = field(default_factory=Sensors)
     input_names: tuple[str, ...] = ("left", "right")
     source: str = ""
     sha256: str = ""

@@ -68,7 +68,6 @@ class Column(Block):
     counts_per_turn: Number | None = _sheet(
         "counts for one turn, if the unit is counts", 8192.0, "(0, 1e12]", unit="1/turn"
     )
-
     channel: Text | None = _logger(
         "name of its channel in channel_column, where each row holds one channel", "/joint/position"
     )

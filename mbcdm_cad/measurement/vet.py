@@ -42,18 +42,14 @@ def zeroed(run: Run, d: DriveSI, half_travel_rad: float) -> Run:
     typical = np.median(apart, axis=1, keepdims=True)
     stretch = float(np.min(d.preload_N * d.free_span_m / d.input_radius_m)) / float(d.axial_stiffness_N)
     zeros = float(np.ptp(typical)) if angle.shape[0] > 1 else 0.0
-    removed = np.zeros_like(typical)
-    unsure = 0.0
-    if zeros > 2.0 * STRAINED_SHARE * stretch:
-        removed += typical
-        unsure = float(np.quantile(np.abs(apart - typical), 0.99))
-    else:
-        zeros = 0.0
+    unsure = float(np.quantile(np.abs(apart - typical), 0.99))
+    if zeros <= 2.0 * STRAINED_SHARE * stretch:
+        zeros, unsure, typical = 0.0, 0.0, np.zeros_like(typical)
     middle = 0.5 * float(common.min() + common.max())
     centre = middle if np.abs(common).max() > BEYOND * half_travel_rad * float(np.mean(d.total_ratio)) else 0.0
     if not zeros and not centre:
         return run
-    return replace(run, input_rad=angle - removed - centre, zeros=ZerosFound(zeros, unsure, centre))
+    return replace(run, input_rad=angle - typical - centre, zeros=ZerosFound(zeros, unsure, centre))
 
 
 # Columns of these names are the inputs at -x and at +x of a design that gives its inputs other names.
@@ -146,14 +142,13 @@ def _inputs(run: Run, known: Declared) -> list[VettingNote]:
     if known.d is None:
         return []
     names = ", ".join(known.d.input_names)
+    text = f"the run has {count} input column(s), the design {known.d.n_inputs} ({names})"
+    remedy = "give a column for each input of the design, or ratio for a drive of which only that is known"
     if known.d.n_inputs == count:
         if count == 1 or sorted(run.input_names) in (sorted(known.d.input_names), sorted(SIDES)):
             return []
         text = f"inputs {', '.join(run.input_names)} are not those of the design ({names})"
         remedy = "call the columns input_ and the name that the design file gives each input"
-        return [refused("inputs", text, remedy, "columns")]
-    text = f"the run has {count} input column(s), the design {known.d.n_inputs} ({names})"
-    remedy = "give a column for each input of the design, or ratio for a drive of which only that is known"
     return [refused("inputs", text, remedy, "columns")]
 
 

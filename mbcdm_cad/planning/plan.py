@@ -8,7 +8,6 @@ at their size; all else, the rivals too, is linear in the sizes, so valid for sm
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -244,9 +243,8 @@ class RunPlan:
 
     def to_json(self) -> dict[str, Any]:
         """For a file."""
-        effects = [asdict(one) for one in self.effects]
-        alike = list(self.friction_alike)
-        return {"power": POWER, "noise": self.noise.to_json(), "effects": effects, "friction_alike": alike}
+        told = {"effects": [asdict(one) for one in self.effects], "friction_alike": list(self.friction_alike)}
+        return {"power": POWER, "noise": self.noise.to_json(), **told}
 
     def text(self) -> str:
         """For the terminal."""
@@ -397,8 +395,10 @@ class PlannedMotion:
                 places = [guesses[len(guesses) // 2]]
             for place, label in zip(places, labels, strict=True):
                 at = np.where([p.role == "size" for p in effect.parameters], 0.0, place)
-                with suppress(ModelError):
+                try:
                     found.append((effect, label, at, self.at(effect, at, [p.size for p in effect.parameters])))
+                except ModelError:
+                    continue
         return found
 
     def change(self, effect: Effect, values: Floats) -> Floats:

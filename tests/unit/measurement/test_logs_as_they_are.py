@@ -400,7 +400,7 @@ def test_the_torque_of_a_weight_is_that_of_the_closed_form(tmp_path: Path, hz: f
 
 def test_the_acceleration_of_uneven_samples() -> None:
     t = np.cumsum(np.random.default_rng(2).uniform(0.8e-3, 1.2e-3, 4000))
-    found = loads.acceleration_rad_s2(0.3 * np.sin(20.0 * t), t)
+    found = loads.motion_of(0.3 * np.sin(20.0 * t), t)[1]
     assert np.allclose(found[100:-100], -120.0 * np.sin(20.0 * t[100:-100]), atol=2.0), np.abs(found).max()
 
 
