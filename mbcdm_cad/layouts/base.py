@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.model.tolerance import StackUp
     from mbcdm_cad.parts.bill import AssemblyStep, Bill, BillBuilder, MovingBody, Placement
     from mbcdm_cad.routes.curves import CablePath
-    from mbcdm_cad.routes.geometry import RoutedDrive
+    from mbcdm_cad.routes.route import RoutedDrive
 
 _T = TypeVar("_T")
 # The model is not evaluated above this multiple of sum(T_pre r_o), at which cables without friction go slack.
@@ -195,7 +195,7 @@ class Layout(ABC):
     @classmethod
     def paths_template(cls) -> str:
         """Jinja template of the report's table of cable paths; ``r`` is the report's data."""
-        return files(cls.module("path_figures").__package__).joinpath("paths.md.j2").read_text("utf-8")
+        return files(cls.module("layout").__package__).joinpath("paths.md.j2").read_text("utf-8")
 
     # Other designs of this layout.
 

@@ -13,7 +13,7 @@ from mbcdm_cad.layouts.trial_drives import TrialDrives
 from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, TrialKnown
 from mbcdm_cad.model.tolerance import StackUp
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
-from mbcdm_cad.sizing.rule import Found, driver_of, rounded_down, rounded_up, rule
+from mbcdm_cad.sizing import Found, driver_of, rounded_down, rounded_up, rule
 
 RADII, LAND_EDGE = at.transmission.drum_radii_mm, at.clearances.land_edge_mm
 # Half of it holds a broken edge, the run-out and the tolerances of milled and turned parts: 0.1, 0.05 and 0.039 mm.

@@ -9,8 +9,7 @@ from mbcdm_cad.checks.drum_sector import STOP_WINDOW_DEG
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.design.rules import Broken, broken_ends
 from mbcdm_cad.design.sized import Freedom, to_a_size
-from mbcdm_cad.sizing.known import KnownFields, RopeKnown
-from mbcdm_cad.sizing.rule import Found, constant, rule, significant
+from mbcdm_cad.sizing import Found, KnownFields, RopeKnown, constant, rule, significant
 
 # Least D/d in the rope makers' tables of wire rope; they state no life below it.
 LEAST_WIRE_RATIO = 10.0

@@ -18,8 +18,7 @@ from mbcdm_cad.model.duty import DEFAULT_PEAK_SHARE, DEFAULT_PERIOD_S, DEFAULT_T
 from mbcdm_cad.model.heat import RATED_AT_C, STANDSTILL_SHARE, motor_heat
 from mbcdm_cad.model.losses import BEARINGS, GEARHEAD_IDLE_SHARE, ROPE, motor_idle_mNm, tangent_share, turned_back_mNm
 from mbcdm_cad.model.si import ModelError
-from mbcdm_cad.sizing.known import KnownFields
-from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up, rule
+from mbcdm_cad.sizing import Found, KnownFields, Rule, constant, rounded_up, rule
 
 # Assumed strength of a rope's end over that of the rope, before rope and ends are chosen.
 END_SHARE = 0.8

@@ -19,7 +19,7 @@ from mbcdm_cad.model.structure.drum_sector import least_hub_mm
 from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG, joint_load, joints
 from mbcdm_cad.parts.drum_sector.part import DrumSector
 from mbcdm_cad.parts.fits import SHEAR_SHARE
-from mbcdm_cad.sizing.rule import Found, Rule, rounded_up, rule
+from mbcdm_cad.sizing import Found, Rule, rounded_up, rule
 
 # Walls of a milled part and of a printed one, mm (estimate: the modulus of filament is about twenty times smaller).
 SIDE_MM, WEB_MM = (4.0, 6.0), (2.0, 4.0)

@@ -11,7 +11,7 @@ from mbcdm_cad.design.sized import NOT_USED
 from mbcdm_cad.layouts.common_rules import COLLAR_SCREWS
 from mbcdm_cad.layouts.head_dims import UNUSED
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
-from mbcdm_cad.sizing.rule import Found, rule
+from mbcdm_cad.sizing import Found, rule
 
 _RING = "ring"
 # Thinnest journal that carries a wheel (estimate).

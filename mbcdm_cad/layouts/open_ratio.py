@@ -19,8 +19,7 @@ from mbcdm_cad.design.sized import LIGHTEST, Moved, Sizing, SizingError
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.stiff_sizing import BY_ELEMENTS, Size, Stiffener, layout_of, misses, stiffened
 from mbcdm_cad.layouts.trial_sizing import TrialKnown, repeated
-from mbcdm_cad.sizing.known import KnownFields
-from mbcdm_cad.sizing.rule import Found, Rule
+from mbcdm_cad.sizing import Found, KnownFields, Rule
 
 # Below the first no drive is built with a capstan; above the last the input of a thin rope outgrows any usual drum.
 RATIOS = (2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0)

@@ -35,8 +35,7 @@ from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.structure import DrumStructure, drum_structure_of, drum_study, structure_with
 from mbcdm_cad.model.structure.causes import urad_Nm
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.sizing.known import KnownFields
-from mbcdm_cad.sizing.rule import rounded_up
+from mbcdm_cad.sizing import KnownFields, rounded_up
 
 # Most sizings where mass and compliance are weighed, and where the file asks for a figure; factor on a number with
 # which its effect is measured, and the largest one of a round; how often a factor that is refused is halved; how near

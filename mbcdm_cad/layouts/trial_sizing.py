@@ -19,8 +19,7 @@ from mbcdm_cad.design.rules import every_broken_rule
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.trial_drives import At, End, Margin, TrialDrives, Way
-from mbcdm_cad.sizing.known import KnownFields, RopeKnown
-from mbcdm_cad.sizing.rule import Found, Rule, fill, rounded_up
+from mbcdm_cad.sizing import Found, KnownFields, RopeKnown, Rule, fill, rounded_up
 
 # Largest number of trials of one field: each moves it by the missing margin, so that a few are enough.
 _MOST_TRIALS = 40

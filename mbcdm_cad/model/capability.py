@@ -24,7 +24,7 @@ from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium, solve_we
 from mbcdm_cad.model.losses import Train
 from mbcdm_cad.model.si import GPA, MM, MM2, DriveSI, ModelError
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.routes.geometry import RoutedDrive
+from mbcdm_cad.routes.route import RoutedDrive
 
 # Names of the ratings in `Analysis.limits`.
 MOTOR, MOTOR_LOSSY, GEARHEAD, GEARHEAD_PEAK = "motor", "motor_with_losses", "gearhead_rated", "gearhead_maximum"

@@ -17,8 +17,7 @@ import numpy as np
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, Geometry, RoutedDrive
-from mbcdm_cad.routes.route import DriveRoutes
+from mbcdm_cad.routes.route import DRUM_RADIUS, INPUT_RADIUS, DriveRoutes, Geometry, RoutedDrive
 
 
 class ModelError(MbcdmError):

@@ -25,7 +25,7 @@ from mbcdm_cad.model.stiffness import drum_backlash
 from mbcdm_cad.model.structure.causes import Structure
 from mbcdm_cad.parts.making import model_tolerances
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS
+from mbcdm_cad.routes.route import DRUM_RADIUS, INPUT_RADIUS
 
 DRAWS, SEED = 256, 95
 # Standard deviations over the values, for files that give none: those of the ranges of the sensitivity study, 45 to 65

@@ -19,10 +19,8 @@ from mbcdm_cad.layouts.bevel_transfer import ON_DRUM, on_drum
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.input_pulley.dims import STOP_PIECES, StopGeometry, stop_geometry, stop_pieces
-from mbcdm_cad.routes import Floats
+from mbcdm_cad.routes import Floats, route
 from mbcdm_cad.routes.curves import Arc, CablePath, Helix, Line, Parabola, Piece, Stretch, triple
-from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, AnchoredGeometry, RoutedDrive, Varied, tangent_length_m
-from mbcdm_cad.routes.route import Anchor, Body, CableRoute, DriveRoutes, Span, Terminal, Wrap, input_body
 
 # The rope's bending stiffness rounds the change of slope between span and pulley over a few sqrt(EI/T), about 0.7 mm
 # for 49 free wires of 0.09 mm at 70 N; this transition is drawn 2.5 diameters long.
@@ -188,7 +186,7 @@ _X, _Y, _Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True)
-class BevelGeometry(AnchoredGeometry):
+class BevelGeometry(route.AnchoredGeometry):
     """Spans and guide wraps from radii and centre distance.
 
     ``input_side`` (n_inputs,) is -1 for an input at x = -L, +1 at +L; ``drum_side`` (n_cables,) the side to which a
@@ -205,9 +203,9 @@ class BevelGeometry(AnchoredGeometry):
     setback_m: float = 0.0
     # Designs that differ only in the lead have the same spans and wraps.
     lead_m: float = field(default=0.0, compare=False)
-    per_cable: tuple[str, ...] = (INPUT_RADIUS, GUIDE_RADIUS, DRUM_RADIUS)
-    varied: tuple[Varied, ...] = (
-        Varied(DISTANCE, "centre distance", (26e-3, 30e-3, 34.6e-3, 45e-3, 60e-3), (33e-3, 40e-3)),
+    per_cable: tuple[str, ...] = (route.INPUT_RADIUS, GUIDE_RADIUS, route.DRUM_RADIUS)
+    varied: tuple[route.Varied, ...] = (
+        route.Varied(DISTANCE, "centre distance", (26e-3, 30e-3, 34.6e-3, 45e-3, 60e-3), (33e-3, 40e-3)),
     )
 
     @cached_property
@@ -228,11 +226,11 @@ class BevelGeometry(AnchoredGeometry):
 
     def free_span_m(self, parameters: Mapping[str, Floats]) -> Floats:
         """L_free = sqrt(L^2 - (r_g + r_i)^2), Eq. (11)."""
-        return tangent_length_m(parameters[DISTANCE], parameters[GUIDE_RADIUS] + parameters[INPUT_RADIUS])
+        return route.tangent_length_m(parameters[DISTANCE], parameters[GUIDE_RADIUS] + parameters[route.INPUT_RADIUS])
 
     def passed_wrap_rad(self, parameters: Mapping[str, Floats]) -> tuple[Floats, ...]:
         """Wrap on the guide, rad: beta, or half a turn more; a setback lengthens the short wrap, shortens the long."""
-        reach = (parameters[GUIDE_RADIUS] + parameters[INPUT_RADIUS]) / parameters[DISTANCE]
+        reach = (parameters[GUIDE_RADIUS] + parameters[route.INPUT_RADIUS]) / parameters[DISTANCE]
         with np.errstate(invalid="ignore"):
             long_way = self._long_way.reshape(-1, *(1,) * (reach.ndim - 1))
             turn = np.where(long_way > 0.0, -1.0, 1.0) * self._turn_rad(parameters[DISTANCE])
@@ -240,30 +238,30 @@ class BevelGeometry(AnchoredGeometry):
 
     def fault(self, parameters: Mapping[str, Floats]) -> str:
         """Message for pulleys that overlap."""
-        reach = parameters[GUIDE_RADIUS] + parameters[INPUT_RADIUS]
+        reach = parameters[GUIDE_RADIUS] + parameters[route.INPUT_RADIUS]
         return (
             f"free span: centre distance {np.min(parameters[DISTANCE]):.6g} m does not exceed r_g + r_i = "
             f"{np.max(reach):.6g} m, so the cable has no straight span; raise centre_distance_mm or cut the radii"
         )
 
-    def routes(self, parameters: Mapping[str, Floats]) -> DriveRoutes:
+    def routes(self, parameters: Mapping[str, Floats]) -> route.DriveRoutes:
         """Bodies and cables of one design. If pulleys overlap, its spans are NaN."""
         span, wrap = self.free_span_m(parameters), self.passed_wrap_rad(parameters)[0]
         cables = tuple(self._cable(parameters, j, float(span[j]), float(wrap[j])) for j in range(len(self.cable_names)))
-        return DriveRoutes(self._bodies(parameters), cables)
+        return route.DriveRoutes(self._bodies(parameters), cables)
 
-    def _bodies(self, parameters: Mapping[str, Floats]) -> tuple[Body, ...]:
-        drum, distance = parameters[DRUM_RADIUS], float(parameters[DISTANCE])
+    def _bodies(self, parameters: Mapping[str, Floats]) -> tuple[route.Body, ...]:
+        drum, distance = parameters[route.DRUM_RADIUS], float(parameters[DISTANCE])
         found = [
-            Body(DRUM, "drum", (0.0, 0.0, 0.0), _Y, _X, 1.0),
-            Body(GUIDE, "passed", (0.0, 0.0, 0.0), _Z, _X, -float(np.mean(drum / parameters[GUIDE_RADIUS]))),
+            route.Body(DRUM, "drum", (0.0, 0.0, 0.0), _Y, _X, 1.0),
+            route.Body(GUIDE, "passed", (0.0, 0.0, 0.0), _Z, _X, -float(np.mean(drum / parameters[GUIDE_RADIUS]))),
         ]
-        turns = drum / parameters[INPUT_RADIUS]
+        turns = drum / parameters[route.INPUT_RADIUS]
         across = distance * float(np.cos(self._turn_rad(parameters[DISTANCE])))
         for i, (name, side) in enumerate(zip(self.input_names, self.input_side, strict=True)):
             own = [float(turns[j]) for j, of in enumerate(self.input_of) if of == i]
-            body = Body(
-                input_body(name),
+            body = route.Body(
+                route.input_body(name),
                 "input",
                 (side * across, 0.0 - self.setback_m, 0.0),
                 _Z,
@@ -273,9 +271,9 @@ class BevelGeometry(AnchoredGeometry):
             found.append(body)
         return tuple(found)
 
-    def _cable(self, parameters: Mapping[str, Floats], j: int, span_m: float, wrap_rad: float) -> CableRoute:
+    def _cable(self, parameters: Mapping[str, Floats], j: int, span_m: float, wrap_rad: float) -> route.CableRoute:
         side, towards = self.input_side[self.input_of[j]], self.drum_side[j]
-        r_i, r_g, r_o = (float(parameters[key][j]) for key in (INPUT_RADIUS, GUIDE_RADIUS, DRUM_RADIUS))
+        r_i, r_g, r_o = (float(parameters[key][j]) for key in (route.INPUT_RADIUS, GUIDE_RADIUS, route.DRUM_RADIUS))
         sine = (r_g + r_i) / float(parameters[DISTANCE])
         cosine = float(np.sqrt(max(1.0 - sine**2, 0.0)))
         # The span seen along Z, before and after the rotation of the line of centres.
@@ -284,23 +282,23 @@ class BevelGeometry(AnchoredGeometry):
         along = (plain[0] * cos(turn) - plain[1] * sin(turn), plain[0] * sin(turn) + plain[1] * cos(turn), 0.0)
         name = self.input_names[self.input_of[j]]
         # A crossed span reverses the sense; the guide turns against the drum.
-        return CableRoute(
+        return route.CableRoute(
             self.cable_names[j],
             name,
             self.sense[j],
             (
-                Anchor(input_body(name)),
-                Wrap(input_body(name), r_i, np.inf, r_o, towards, lead_m=self.lead_m),
-                Span(span_m, along),
-                Wrap(GUIDE, r_g, wrap_rad, r_o, -towards, passed=True),
-                Span(0.0, (float(towards), 0.0, 0.0)),
-                Wrap(DRUM, r_o, np.inf, r_g, towards),
-                Terminal(DRUM),
+                route.Anchor(route.input_body(name)),
+                route.Wrap(route.input_body(name), r_i, np.inf, r_o, towards, lead_m=self.lead_m),
+                route.Span(span_m, along),
+                route.Wrap(GUIDE, r_g, wrap_rad, r_o, -towards, passed=True),
+                route.Span(0.0, (float(towards), 0.0, 0.0)),
+                route.Wrap(DRUM, r_o, np.inf, r_g, towards),
+                route.Terminal(DRUM),
             ),
         )
 
 
-def routed(drive: BevelDrive, unit: float = _MM) -> RoutedDrive:
+def routed(drive: BevelDrive, unit: float = _MM) -> route.RoutedDrive:
     """Routes of the cables of ``drive``, and the lengths that follow from its file; ``unit``: a mm, in m."""
 
     def column(attribute: str) -> Floats:
@@ -316,12 +314,12 @@ def routed(drive: BevelDrive, unit: float = _MM) -> RoutedDrive:
         lead_m=drive.helix_lead_mm * unit,
     )
     parameters = {
-        INPUT_RADIUS: column("input_radius_mm"),
+        route.INPUT_RADIUS: column("input_radius_mm"),
         GUIDE_RADIUS: column("guide_radius_mm"),
-        DRUM_RADIUS: column("drum_radius_mm"),
+        route.DRUM_RADIUS: column("drum_radius_mm"),
         DISTANCE: np.asarray(drive.centre_distance_mm * unit),
     }
-    return RoutedDrive(geometry, parameters, {"centre_distance_mm": drive.centre_distance_mm})
+    return route.RoutedDrive(geometry, parameters, {"centre_distance_mm": drive.centre_distance_mm})
 
 
 def longest_mm(drive: BevelDrive, cable: BevelRun, anchor_rad: float) -> float:

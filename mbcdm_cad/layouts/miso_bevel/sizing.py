@@ -25,7 +25,7 @@ from mbcdm_cad.layouts.open_ratio import SizingRules
 from mbcdm_cad.layouts.stiff_sizing import SHARED, bearing, walls
 from mbcdm_cad.parts.drum_sector.dims import SCREWS
 from mbcdm_cad.parts.fits import MOUNT_SCREWS
-from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_down, rounded_up, rule
+from mbcdm_cad.sizing import Found, Rule, constant, rounded_down, rounded_up, rule
 
 STEPS = 4
 RATIO, TO_DRUM = at.transmission.ratio, "transmission.ratios.guide_to_drum"

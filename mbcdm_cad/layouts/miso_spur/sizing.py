@@ -7,7 +7,7 @@ from mbcdm_cad.layouts.miso_spur.design_file import REFERENCE
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.siso_spur.sizing import DERIVED, FREEDOMS, spur_rules
 from mbcdm_cad.layouts.siso_spur.sizing.basis import SpurKnown
-from mbcdm_cad.sizing.rule import constant, rule
+from mbcdm_cad.sizing import constant, rule
 
 __all__ = ["DERIVED", "FREEDOMS", "size"]
 

@@ -23,10 +23,8 @@ from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive, DirectRun
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.input_pulley.dims import SLOT_PLAY_MM, STOP_PIECES, WEDGE_MM, StopGeometry, stop_pieces
 from mbcdm_cad.parts.terminal import tensioned_rope
-from mbcdm_cad.routes import Floats
+from mbcdm_cad.routes import Floats, route
 from mbcdm_cad.routes.curves import Arc, CablePath, Piece, Stretch
-from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, AnchoredGeometry, RoutedDrive, Varied
-from mbcdm_cad.routes.route import Anchor, Body, CableRoute, DriveRoutes, Span, Terminal, Wrap, input_body
 
 # The bend before the stop, D/d: the sharpest usual static bend, so that the slot uses a small angle of the turn.
 STOP_BEND_RATIO = 8.0
@@ -125,15 +123,15 @@ _X, _Y, _DOWN = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, -1.0)
 
 
 @dataclass(frozen=True)
-class DirectGeometry(AnchoredGeometry):
+class DirectGeometry(route.AnchoredGeometry):
     """Cables that pass from the input directly to the drum; ``drum_side`` (n_cables,): side to which each runs."""
 
     cable_names: tuple[str, ...]
     input_names: tuple[str, ...]
     drum_side: tuple[int, ...]
-    per_cable: tuple[str, ...] = (INPUT_RADIUS, DRUM_RADIUS)
-    varied: tuple[Varied, ...] = (
-        Varied(STRETCH, "stretch across the transfer", (0.8e-3, 1.2e-3, 1.6e-3, 2.4e-3, 4e-3), (1e-3, 2e-3)),
+    per_cable: tuple[str, ...] = (route.INPUT_RADIUS, route.DRUM_RADIUS)
+    varied: tuple[route.Varied, ...] = (
+        route.Varied(STRETCH, "stretch across the transfer", (0.8e-3, 1.2e-3, 1.6e-3, 2.4e-3, 4e-3), (1e-3, 2e-3)),
     )
 
     @property
@@ -145,7 +143,7 @@ class DirectGeometry(AnchoredGeometry):
         """The stretch across the transfer, the same for all cables; NaN unless it is over 0."""
         stretch = np.asarray(parameters[STRETCH])
         alone = np.where(stretch > 0.0, stretch, np.nan)
-        return np.asarray(np.zeros_like(parameters[DRUM_RADIUS]) + alone)
+        return np.asarray(np.zeros_like(parameters[route.DRUM_RADIUS]) + alone)
 
     def fault(self, parameters: Mapping[str, Floats]) -> str:
         """Message for a stretch across the transfer without length."""
@@ -154,29 +152,29 @@ class DirectGeometry(AnchoredGeometry):
             "free has no stiffness of its own; give the rope a diameter"
         )
 
-    def routes(self, parameters: Mapping[str, Floats]) -> DriveRoutes:
+    def routes(self, parameters: Mapping[str, Floats]) -> route.DriveRoutes:
         """Bodies and cables of one design."""
-        name = input_body(self.input_names[0])
-        turns = float(np.mean(parameters[DRUM_RADIUS] / parameters[INPUT_RADIUS]))
+        name = route.input_body(self.input_names[0])
+        turns = float(np.mean(parameters[route.DRUM_RADIUS] / parameters[route.INPUT_RADIUS]))
         origin = (0.0, 0.0, 0.0)
         bodies = (
-            Body(DRUM, "drum", origin, _Y, _X, 1.0),
+            route.Body(DRUM, "drum", origin, _Y, _X, 1.0),
             # About -Z it turns in the same sense as the drum.
-            Body(name, "input", origin, _DOWN, _X, turns),
+            route.Body(name, "input", origin, _DOWN, _X, turns),
         )
         free = self.free_span_m(parameters)
         cables = []
         for j, side in enumerate(self.drum_side):
-            r_m, r_o = float(parameters[INPUT_RADIUS][j]), float(parameters[DRUM_RADIUS][j])
+            r_m, r_o = float(parameters[route.INPUT_RADIUS][j]), float(parameters[route.DRUM_RADIUS][j])
             pieces = (
-                Anchor(name),
-                Wrap(name, r_m, np.inf, -r_o, side),
-                Span(float(free[j]), (float(side), 0.0, 0.0)),
-                Wrap(DRUM, r_o, np.inf, r_m, side),
-                Terminal(DRUM),
+                route.Anchor(name),
+                route.Wrap(name, r_m, np.inf, -r_o, side),
+                route.Span(float(free[j]), (float(side), 0.0, 0.0)),
+                route.Wrap(DRUM, r_o, np.inf, r_m, side),
+                route.Terminal(DRUM),
             )
-            cables.append(CableRoute(self.cable_names[j], self.input_names[0], self.sense[j], pieces))
-        return DriveRoutes(bodies, tuple(cables))
+            cables.append(route.CableRoute(self.cable_names[j], self.input_names[0], self.sense[j], pieces))
+        return route.DriveRoutes(bodies, tuple(cables))
 
 
 def transfer_stretch_mm(drive: DirectDrive) -> float:
@@ -186,7 +184,7 @@ def transfer_stretch_mm(drive: DirectDrive) -> float:
     return max(stiff, drive.cable.diameter_mm)
 
 
-def routed(drive: DirectDrive, unit: float = _MM) -> RoutedDrive:
+def routed(drive: DirectDrive, unit: float = _MM) -> route.RoutedDrive:
     """Routes of the cables of ``drive``, and the lengths that follow from its file; ``unit``: a mm, in m."""
     geometry = DirectGeometry(
         cable_names=tuple(run.name for run in drive.cables),
@@ -195,8 +193,8 @@ def routed(drive: DirectDrive, unit: float = _MM) -> RoutedDrive:
     )
     stretch = transfer_stretch_mm(drive)
     parameters = {
-        INPUT_RADIUS: np.array([run.input_radius_mm * unit for run in drive.cables]),
-        DRUM_RADIUS: np.array([run.drum_radius_mm * unit for run in drive.cables]),
+        route.INPUT_RADIUS: np.array([run.input_radius_mm * unit for run in drive.cables]),
+        route.DRUM_RADIUS: np.array([run.drum_radius_mm * unit for run in drive.cables]),
         STRETCH: np.asarray(stretch * unit),
     }
-    return RoutedDrive(geometry, parameters, {"transfer_stretch_mm": stretch})
+    return route.RoutedDrive(geometry, parameters, {"transfer_stretch_mm": stretch})

@@ -1,17 +1,24 @@
 """The layout of Fig. 1 (c): one stepped input pulley, straight onto the drum by a bevel transfer."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
+from math import degrees, radians
+from typing import Any
 
 from mbcdm_cad.checks import design_variables
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import Conventions, dimensions
-from mbcdm_cad.layouts.sector import HeadLayout, coupled_pulley
-from mbcdm_cad.layouts.siso_bevel.cable_path import stop_of
+from mbcdm_cad.layouts.bevel_transfer import TravelFigures, ends_at_drum, tensioned
+from mbcdm_cad.layouts.sector import HeadLayout, coupled_pulley, wraps_over_travel
+from mbcdm_cad.layouts.siso_bevel.cable_path import full_input_turn_deg, input_wrap_rad, stop_of
 from mbcdm_cad.layouts.siso_bevel.drive import ColumnSupport, DirectDrive, DirectRun
 from mbcdm_cad.layouts.siso_bevel.support import ColumnDims, DirectStack, column, direct_stack, flange
+from mbcdm_cad.model.tensioning import TensioningPlan, tensioning_plan
 from mbcdm_cad.parts.input_pulley import dims
 from mbcdm_cad.parts.motor_head.dims import HeadDims, head
+from mbcdm_cad.parts.terminal import tensioned_rope
+from mbcdm_cad.routes.curves import EndOfTravel, by_sense, wrap_lines
 
 
 def _reserve(drive: DirectDrive, value: float) -> DirectDrive:
@@ -39,27 +46,6 @@ def _slot(drive: DirectDrive, cable: DirectRun, face_z: float) -> dims.StopSlot:
     stop = stop_of(drive, cable)
     turned = replace(stop, end_angle_rad=-stop.end_angle_rad, away=-stop.away)
     return dims.stop_slot(drive, cable.name, cable.input_radius_mm, turned, -cable.drum_radius_mm, face_z)
-
-
-def input_pulley(drive: DirectDrive, levels: DirectStack) -> dims.InputPulleyDims:
-    """Dimensions of the pulley; its slots are milled from both end faces."""
-    small, large = sorted(drive.cables, key=lambda c: c.step)
-    flank = drive.cable.diameter_mm / 2
-    bearings = drive.bearings
-    return coupled_pulley(
-        drive,
-        levels,
-        name=drive.input_names[0],
-        x=0.0,
-        lower_neck_radius=bearings.input_lower.inner_shoulder_mm / 2,
-        land_bottom_z=levels.land_bottom_z,
-        lower_surface_radius=large.input_radius_mm - flank,
-        wall_z=-(small.drum_radius_mm + large.drum_radius_mm) / 2,
-        upper_surface_radius=small.input_radius_mm - flank,
-        land_top_z=levels.land_top_z,
-        upper_neck_radius=bearings.input_upper.inner_shoulder_mm / 2,
-        slots=(_slot(drive, large, levels.land_bottom_z), _slot(drive, small, levels.land_top_z)),
-    )
 
 
 class DirectLayout(HeadLayout):
@@ -92,8 +78,23 @@ class DirectLayout(HeadLayout):
 
     @dimensions
     def inputs(self) -> tuple[dims.InputPulleyDims, ...]:
-        """The one input pulley."""
-        return (input_pulley(self.drive, self.levels),)
+        """The one input pulley; its slots are milled from both end faces."""
+        drive, v, (small, large) = self.drive, self.levels, self.steps
+        pulley = coupled_pulley(
+            drive,
+            v,
+            name=drive.input_names[0],
+            x=0.0,
+            lower_neck_radius=drive.bearings.input_lower.inner_shoulder_mm / 2,
+            land_bottom_z=v.land_bottom_z,
+            lower_surface_radius=large.input_radius_mm - self.flank_mm,
+            wall_z=-(small.drum_radius_mm + large.drum_radius_mm) / 2,
+            upper_surface_radius=small.input_radius_mm - self.flank_mm,
+            land_top_z=v.land_top_z,
+            upper_neck_radius=drive.bearings.input_upper.inner_shoulder_mm / 2,
+            slots=(_slot(drive, large, v.land_bottom_z), _slot(drive, small, v.land_top_z)),
+        )
+        return (pulley,)
 
     @dimensions
     def head(self) -> HeadDims:
@@ -105,6 +106,37 @@ class DirectLayout(HeadLayout):
         """See the base class."""
         pulley = self.inputs[0]
         return (pulley.upper_surface_radius, -pulley.land_top_z), (pulley.lower_surface_radius, -pulley.wall_z)
+
+    @cached_property
+    def path_figures(self) -> TravelFigures:
+        """See the base class."""
+        return TravelFigures(*wraps_over_travel(self), *by_sense(self._ends()))
+
+    def _ends(self) -> Iterator[EndOfTravel]:
+        drive, half = self.drive, self.half_travel_rad
+        stop = drive.half_travel_deg + drive.stop_clearance_deg
+        yield from (EndOfTravel(way * stop, "hard stop") for way in (1, -1))
+        for run in drive.cables:
+            ratio, off = run.drum_radius_mm / run.input_radius_mm, -run.drum_side
+            yield from ends_at_drum(self, run, "input")
+            unwound = -half - radians(drive.reserve_deg) / ratio
+            yield EndOfTravel(off * degrees(unwound), f"{run.name} is all off the input")
+            full = radians(360.0 - full_input_turn_deg(drive, run)) / ratio
+            yield EndOfTravel(off * degrees(half + full), f"the input has taken up a whole turn of {run.name}")
+
+    @classmethod
+    def path_lines(cls, cable: dict[str, Any]) -> Iterator[str]:
+        """See the base class."""
+        return wrap_lines(cable)
+
+    @cached_property
+    def tensioning(self) -> TensioningPlan:
+        """See the base class; no free span can be plucked."""
+        drive, cables = self.drive, []
+        for c, path in zip(drive.cables, self.cable_paths(0.0), strict=True):
+            wound = input_wrap_rad(drive, c, 0.0)
+            cables.append(tensioned(self, path, ((c.input_radius_mm * wound * 1e-3, wound),)))
+        return tensioning_plan(cables, tensioned_rope(drive), drive.tensioner.pitch_mm * 1e-3)
 
 
 LAYOUT = DirectLayout

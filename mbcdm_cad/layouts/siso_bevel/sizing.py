@@ -21,7 +21,7 @@ from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.layouts.stiff_sizing import SHARED, walls
 from mbcdm_cad.parts.fits import MOUNT_SCREWS
-from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up, rule
+from mbcdm_cad.sizing import Found, Rule, constant, rounded_up, rule
 
 # Wrap that stays on the input, and estimated angle of the stop's slot before it is known, deg.
 RESERVE_DEG, SLOT_DEG = 18.0, 8.0

@@ -33,7 +33,7 @@ from mbcdm_cad.parts.motor_head.dims import Flange, HeadDims, head
 from mbcdm_cad.parts.terminal import Tensioner, tensioned_rope, terminal_travel_mm
 from mbcdm_cad.parts.turned import DrumShaftDims, IdlerDims
 from mbcdm_cad.routes.curves import CablePath, turned_about_y
-from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, RoutedDrive
+from mbcdm_cad.routes.route import DRUM_RADIUS, INPUT_RADIUS, RoutedDrive
 
 if TYPE_CHECKING:
     from mbcdm_cad.model.si import DriveSI

@@ -27,9 +27,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mbcdm_cad.routes import Floats
-from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, AnchoredGeometry, Varied
-from mbcdm_cad.routes.route import Anchor, Body, CableRoute, DriveRoutes, Piece, Span, Terminal, Wrap, input_body
+from mbcdm_cad.routes import Floats, route
 
 # Sense about +Y in which the cable turns on an idler of the side +x, which it passes at the line of centres.
 SENSE = -1
@@ -133,7 +131,7 @@ _Y, _Z, _BACK = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
 
 
 @dataclass(frozen=True)
-class SpurGeometry(AnchoredGeometry):
+class SpurGeometry(route.AnchoredGeometry):
     """Spans from radii and centre distance. ``drum_side`` and ``outward`` (n_cables,) are those of the runs.
 
     ``angle_rad`` (n_inputs,): position of each input about Y, from +Z towards +X. ``level_m``: position along Y of each
@@ -155,14 +153,18 @@ class SpurGeometry(AnchoredGeometry):
     apart_m: float | None = None
     idlers: tuple[tuple[float, float], ...] = ()
     input_sense: int = 1
-    varied: tuple[Varied, ...] = (
-        Varied(DISTANCE, "centre distance", (67e-3, 70e-3, 75e-3, 85e-3, 100e-3), (68e-3, 80e-3)),
+    varied: tuple[route.Varied, ...] = (
+        route.Varied(DISTANCE, "centre distance", (67e-3, 70e-3, 75e-3, 85e-3, 100e-3), (68e-3, 80e-3)),
     )
 
     @property
     def per_cable(self) -> tuple[str, ...]:
         """Radii."""
-        return (INPUT_RADIUS, DRUM_RADIUS, IDLER_RADIUS) if self.idlers else (INPUT_RADIUS, DRUM_RADIUS)
+        return (
+            (route.INPUT_RADIUS, route.DRUM_RADIUS, IDLER_RADIUS)
+            if self.idlers
+            else (route.INPUT_RADIUS, route.DRUM_RADIUS)
+        )
 
     @property
     def passed_radii(self) -> dict[str, str]:
@@ -174,9 +176,9 @@ class SpurGeometry(AnchoredGeometry):
         """Paths from input to drum in m, mirrored to the side +x: (n_spans, n_cables, *batch)."""
         return taut(
             [
-                Circle(0.0, parameters[DISTANCE], parameters[INPUT_RADIUS], -self.input_sense),
+                Circle(0.0, parameters[DISTANCE], parameters[route.INPUT_RADIUS], -self.input_sense),
                 *(Circle(x, z, parameters[IDLER_RADIUS], SENSE) for x, z in self.idlers),
-                Circle(0.0, 0.0, parameters[DRUM_RADIUS], 1),
+                Circle(0.0, 0.0, parameters[route.DRUM_RADIUS], 1),
             ]
         )
 
@@ -210,16 +212,16 @@ class SpurGeometry(AnchoredGeometry):
         """Message if the pulleys overlap, or the cable does not touch an idler, else empty."""
         if self.idlers:
             return no_strand(self.strand(parameters))
-        reach = parameters[DRUM_RADIUS] + parameters[INPUT_RADIUS]
+        reach = parameters[route.DRUM_RADIUS] + parameters[route.INPUT_RADIUS]
         return (
             f"free span: centre distance {np.min(parameters[DISTANCE]):.6g} m does not exceed r_o + r_i = "
             f"{np.max(reach):.6g} m, so the cable has no straight span; raise centre_distance_mm or cut the radii"
         )
 
-    def routes(self, parameters: Mapping[str, Floats]) -> DriveRoutes:
+    def routes(self, parameters: Mapping[str, Floats]) -> route.DriveRoutes:
         """Bodies and both sides of one design."""
-        distance, ratio = float(parameters[DISTANCE]), parameters[DRUM_RADIUS] / parameters[INPUT_RADIUS]
-        bodies = [Body(DRUM, "drum", (0.0, 0.0, 0.0), _Y, _Z, 1.0)]
+        distance, ratio = float(parameters[DISTANCE]), parameters[route.DRUM_RADIUS] / parameters[route.INPUT_RADIUS]
+        bodies = [route.Body(DRUM, "drum", (0.0, 0.0, 0.0), _Y, _Z, 1.0)]
         for i, (name, angle) in enumerate(zip(self.input_names, self.angle_rad, strict=True)):
             out = (sin(angle), 0.0, cos(angle))
             turns = float(np.mean(ratio[np.array(self.input_of) == i]))
@@ -227,50 +229,52 @@ class SpurGeometry(AnchoredGeometry):
             # the sign of the drum's.
             axis = _BACK if self.input_sense > 0 else _Y
             bodies.append(
-                Body(input_body(name), "input", (distance * out[0], 0.0, distance * out[2]), axis, out, turns)
+                route.Body(
+                    route.input_body(name), "input", (distance * out[0], 0.0, distance * out[2]), axis, out, turns
+                )
             )
         bodies[1:1] = self._idler_bodies(parameters)
         found = self.strand(parameters)
         sides = tuple(self._side(parameters, j, found) for j in range(len(self.cable_names)))
-        return DriveRoutes(tuple(bodies), sides)
+        return route.DriveRoutes(tuple(bodies), sides)
 
-    def _idler_bodies(self, parameters: Mapping[str, Floats]) -> Iterator[Body]:
+    def _idler_bodies(self, parameters: Mapping[str, Floats]) -> Iterator[route.Body]:
         """The idlers, each turning about +Y against the drum."""
         for n in range(len(self.idlers), 0, -1):
             x, z = self.idlers[n - 1]
             for j, cable in enumerate(self.cable_names):
                 angle = self.angle_rad[self.input_of[j]]
-                turns = SENSE * float(parameters[DRUM_RADIUS][j] / parameters[IDLER_RADIUS][j])
+                turns = SENSE * float(parameters[route.DRUM_RADIUS][j] / parameters[IDLER_RADIUS][j])
                 at, out = turned(angle, self.drum_side[j] * x, z), turned(angle, 0.0, 1.0)
-                yield Body(idler_body(n, cable), "passed", at, _Y, out, turns)
+                yield route.Body(idler_body(n, cable), "passed", at, _Y, out, turns)
 
-    def _side(self, parameters: Mapping[str, Floats], j: int, found: Strand) -> CableRoute:
+    def _side(self, parameters: Mapping[str, Floats], j: int, found: Strand) -> route.CableRoute:
         """A side over its idlers, if there are any; it rises along Y by its slope, on all its way."""
         side, cable = self.drum_side[j], self.cable_names[j]
         input_name, level = self.input_names[self.input_of[j]], self.level_m[j // 2]
-        r_i, r_o = float(parameters[INPUT_RADIUS][j]), float(parameters[DRUM_RADIUS][j])
+        r_i, r_o = float(parameters[route.INPUT_RADIUS][j]), float(parameters[route.DRUM_RADIUS][j])
         through, apart, rises = self._winding(parameters, j)
         slope, at = rises * self.lead_m / (2 * np.pi * r_i), level + self.outward[j] * apart
-        name = input_body(input_name)
-        pieces: list[Piece] = [
-            Anchor(name),
+        name = route.input_body(input_name)
+        pieces: list[route.Piece] = [
+            route.Anchor(name),
             # Heights count along the input's own axis, -Y, or Y with open spans.
-            Wrap(name, r_i, np.inf, -self.input_sense * at, side, may_slip_through=through, lead_m=self.lead_m),
+            route.Wrap(name, r_i, np.inf, -self.input_sense * at, side, may_slip_through=through, lead_m=self.lead_m),
         ]
         for n in range(1, len(self.idlers) + 1):
             span, wrap = float(found.length[n - 1, j]), float(found.wraps[n - 1, j])
             r_k = float(parameters[IDLER_RADIUS][j])
-            pieces.append(Span(span, self._direction(side, found, n - 1, j)))
+            pieces.append(route.Span(span, self._direction(side, found, n - 1, j)))
             at += slope * (span + r_k * wrap / 2)
-            pieces.append(Wrap(idler_body(n, cable), r_k, wrap, at, side * SENSE, passed=True))
+            pieces.append(route.Wrap(idler_body(n, cable), r_k, wrap, at, side * SENSE, passed=True))
             at += slope * r_k * wrap / 2
         last = float(found.length[-1, j])
         pieces += [
-            Span(last, self._direction(side, found, -1, j)),
-            Wrap(DRUM, r_o, np.inf, at + slope * last, side, lead_m=self.lead_m * r_o / r_i),
-            Terminal(DRUM),
+            route.Span(last, self._direction(side, found, -1, j)),
+            route.Wrap(DRUM, r_o, np.inf, at + slope * last, side, lead_m=self.lead_m * r_o / r_i),
+            route.Terminal(DRUM),
         ]
-        return CableRoute(cable, input_name, self.sense[j], tuple(pieces))
+        return route.CableRoute(cable, input_name, self.sense[j], tuple(pieces))
 
     def _winding(self, parameters: Mapping[str, Floats], j: int) -> tuple[bool, float, int]:
         """Whether a cable may slip through on its input; how far a side leaves it from the cable's middle, m; and the

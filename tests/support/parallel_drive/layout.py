@@ -16,7 +16,7 @@ from mbcdm_cad.design.loader import DesignFile
 from mbcdm_cad.layouts.base import Conventions, Layout
 from mbcdm_cad.parts.bill import AssemblyStep, Bill, MovingBody
 from mbcdm_cad.routes.curves import CablePath
-from mbcdm_cad.routes.geometry import RoutedDrive
+from mbcdm_cad.routes.route import RoutedDrive
 from parallel_drive import parts, routes
 from parallel_drive.design_file import DESIGN_FILE, ParallelDrive
 

@@ -11,10 +11,8 @@ from math import acos, degrees, pi, radians, sqrt
 import numpy as np
 
 from mbcdm_cad.design.drive import CableRun, Drive
-from mbcdm_cad.routes import Floats
+from mbcdm_cad.routes import Floats, route
 from mbcdm_cad.routes.curves import Arc, CablePath, Line, Stretch, Triple
-from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, RoutedDrive, Varied, tangent_length_m
-from mbcdm_cad.routes.route import Anchor, Body, CableRoute, DriveRoutes, Span, Terminal, Wrap, input_body
 from parallel_drive.design_file import ParallelDrive
 
 DISTANCE = "centre_distance_m"
@@ -26,15 +24,17 @@ STATIONS = 9
 
 @dataclass(frozen=True)
 class ParallelGeometry:
-    """See :class:`mbcdm_cad.routes.geometry.Geometry`."""
+    """See :class:`mbcdm_cad.routes.route.Geometry`."""
 
     cable_names: tuple[str, ...]
     input_names: tuple[str, ...]
     input_of: tuple[int, ...]
     sense: tuple[int, ...]
     heights_m: tuple[float, ...]
-    per_cable: tuple[str, ...] = (INPUT_RADIUS, DRUM_RADIUS)
-    varied: tuple[Varied, ...] = (Varied(DISTANCE, "centre distance", (45e-3, 50e-3, 60e-3), (48e-3, 60e-3)),)
+    per_cable: tuple[str, ...] = (route.INPUT_RADIUS, route.DRUM_RADIUS)
+    varied: tuple[route.Varied, ...] = (
+        route.Varied(DISTANCE, "centre distance", (45e-3, 50e-3, 60e-3), (48e-3, 60e-3)),
+    )
 
     @property
     def passed_radii(self) -> dict[str, str]:
@@ -43,7 +43,9 @@ class ParallelGeometry:
 
     def free_span_m(self, parameters: Mapping[str, Floats]) -> Floats:
         """Crossed tangent."""
-        return tangent_length_m(parameters[DISTANCE], parameters[INPUT_RADIUS] + parameters[DRUM_RADIUS])
+        return route.tangent_length_m(
+            parameters[DISTANCE], parameters[route.INPUT_RADIUS] + parameters[route.DRUM_RADIUS]
+        )
 
     def passed_wrap_rad(self, parameters: Mapping[str, Floats]) -> tuple[Floats, ...]:
         """None."""
@@ -56,13 +58,15 @@ class ParallelGeometry:
         """The pulleys overlap."""
         return "free span: centre distance does not exceed r_o + r_i; raise centre_distance_mm or cut the radii"
 
-    def routes(self, parameters: Mapping[str, Floats]) -> DriveRoutes:
+    def routes(self, parameters: Mapping[str, Floats]) -> route.DriveRoutes:
         """Two bodies, two cables."""
-        drum, pulley = parameters[DRUM_RADIUS], parameters[INPUT_RADIUS]
-        distance, body = float(parameters[DISTANCE]), input_body(self.input_names[0])
+        drum, pulley = parameters[route.DRUM_RADIUS], parameters[route.INPUT_RADIUS]
+        distance, body = float(parameters[DISTANCE]), route.input_body(self.input_names[0])
         bodies = (
-            Body("drum", "drum", (0.0, 0.0, 0.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0), 1.0),
-            Body(body, "input", (distance, 0.0, 0.0), (0.0, -1.0, 0.0), (1.0, 0.0, 0.0), float(np.mean(drum / pulley))),
+            route.Body("drum", "drum", (0.0, 0.0, 0.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0), 1.0),
+            route.Body(
+                body, "input", (distance, 0.0, 0.0), (0.0, -1.0, 0.0), (1.0, 0.0, 0.0), float(np.mean(drum / pulley))
+            ),
         )
         spans = self.free_span_m(parameters)
         cables = []
@@ -71,18 +75,18 @@ class ParallelGeometry:
             cosine = float(np.sqrt(max(1.0 - sine**2, 0.0)))
             height = self.heights_m[k]
             pieces = (
-                Anchor(body),
+                route.Anchor(body),
                 # About the input's own axis, -Y, the crossed cable turns as it does on the drum about +Y.
-                Wrap(body, float(pulley[k]), np.inf, -height, turning),
-                Span(float(spans[k]), (-cosine, 0.0, -turning * sine)),
-                Wrap("drum", float(drum[k]), np.inf, height, turning),
-                Terminal("drum"),
+                route.Wrap(body, float(pulley[k]), np.inf, -height, turning),
+                route.Span(float(spans[k]), (-cosine, 0.0, -turning * sine)),
+                route.Wrap("drum", float(drum[k]), np.inf, height, turning),
+                route.Terminal("drum"),
             )
-            cables.append(CableRoute(name, self.input_names[0], self.sense[k], pieces))
-        return DriveRoutes(bodies, tuple(cables))
+            cables.append(route.CableRoute(name, self.input_names[0], self.sense[k], pieces))
+        return route.DriveRoutes(bodies, tuple(cables))
 
 
-def routed(drive: Drive) -> RoutedDrive:
+def routed(drive: Drive) -> route.RoutedDrive:
     """Geometry and lengths of one design."""
     assert isinstance(drive, ParallelDrive)
     geometry = ParallelGeometry(
@@ -93,11 +97,11 @@ def routed(drive: Drive) -> RoutedDrive:
         heights_m=tuple(height_mm(run) * _MM for run in drive.cables),
     )
     parameters = {
-        INPUT_RADIUS: np.array([run.input_radius_mm * _MM for run in drive.cables]),
-        DRUM_RADIUS: np.array([run.drum_radius_mm * _MM for run in drive.cables]),
+        route.INPUT_RADIUS: np.array([run.input_radius_mm * _MM for run in drive.cables]),
+        route.DRUM_RADIUS: np.array([run.drum_radius_mm * _MM for run in drive.cables]),
         DISTANCE: np.asarray(drive.centre_distance_mm * _MM),
     }
-    return RoutedDrive(geometry, parameters, {"centre_distance_mm": drive.centre_distance_mm})
+    return route.RoutedDrive(geometry, parameters, {"centre_distance_mm": drive.centre_distance_mm})
 
 
 def height_mm(run: CableRun) -> float:

@@ -17,11 +17,11 @@ from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.miso_bevel.cable_path import BevelGeometry, routed
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.curves import _GAUSS, Arc, Coil, Helix, Line, Parabola, Piece, cut
-from mbcdm_cad.routes.geometry import RoutedDrive
 from mbcdm_cad.routes.route import (
     Anchor,
     CableRoute,
     DriveRoutes,
+    RoutedDrive,
     Span,
     Terminal,
     Wrap,

@@ -26,8 +26,7 @@ from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.model.structure.causes import Structure
 from mbcdm_cad.report.check_report import check_design
 from mbcdm_cad.report.explain import explain
-from mbcdm_cad.sizing.known import KnownFields
-from mbcdm_cad.sizing.rule import Rule
+from mbcdm_cad.sizing import KnownFields, Rule
 from mbcdm_cad.solving.question import Fixed, Point, Times, question_of
 from mbcdm_cad.solving.trials import Trials
 from tests.support.checked import failing, result, statuses

@@ -21,8 +21,7 @@ from mbcdm_cad.layouts.siso_spur.sizing.basis import SpurKnown
 from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.layouts.trial_drives import TrialDrives
 from mbcdm_cad.parts.drum_sector.part import DrumSector
-from mbcdm_cad.sizing.known import KnownFields
-from mbcdm_cad.sizing.rule import Found, Rule, constant, fill, largest, rounded_down, rounded_up
+from mbcdm_cad.sizing import Found, KnownFields, Rule, constant, fill, largest, rounded_down, rounded_up
 from tests.support.checked import short_file, statuses
 from tests.support.layout_bound import Asked, excluding, least_column_mm
 from tests.support.reference import PARAMS

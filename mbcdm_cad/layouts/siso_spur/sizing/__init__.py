@@ -26,7 +26,7 @@ from mbcdm_cad.layouts.siso_spur.sizing.stage import FIRST, GUESSES, STAGE, STAG
 from mbcdm_cad.layouts.stiff_sizing import SHARED, walls
 from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, ON_SHAFT
 from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
-from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_up, rule
+from mbcdm_cad.sizing import Found, Rule, largest, rounded_up, rule
 
 # Walls of a milled part and of a printed one, mm (estimate: the modulus of filament is about twenty times smaller).
 PLATE_MM, BRIDGE_MM = (5.0, 8.0), (4.0, 7.0)

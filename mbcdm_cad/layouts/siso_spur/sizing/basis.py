@@ -23,7 +23,7 @@ from mbcdm_cad.layouts.siso_spur.schema import MOST_TURNS, REFERENCE
 from mbcdm_cad.layouts.trial_sizing import TrialKnown, whole_turns
 from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
 from mbcdm_cad.parts.input_pulley.dims import neck_mm, widest_bend_mm
-from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up, rule
+from mbcdm_cad.sizing import Found, Rule, constant, rounded_up, rule
 
 # Preload over the preload that an infinite wrap would need for the slip margin.
 PRELOAD_SPARE = 1.35

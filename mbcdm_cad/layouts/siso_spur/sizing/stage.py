@@ -17,7 +17,7 @@ from mbcdm_cad.layouts.head_basis import counts_losses, gearhead_output_mNm, inp
 from mbcdm_cad.layouts.siso_spur.checks.stage import RATIO_SHARE, TOOTH_SHARE, lewis_factor, motor_beside_mm
 from mbcdm_cad.layouts.siso_spur.first_stage import gearhead_word, last_ratio, of_data, split_ratio
 from mbcdm_cad.layouts.siso_spur.sizing.basis import SpurKnown
-from mbcdm_cad.sizing.rule import Found, rounded_up, rule
+from mbcdm_cad.sizing import Found, rounded_up, rule
 
 # Ratios that the rule for a stated motor gives (choices).
 RATIO_STEP, LEAST_RATIO, MOST_RATIO = 0.25, 1.5, 8.0

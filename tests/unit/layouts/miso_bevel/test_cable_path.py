@@ -202,8 +202,7 @@ def test_walk_is_the_lead_times_the_turns(drive: BevelDrive) -> None:
 def test_band_on_the_input_pulley(drive: BevelDrive) -> None:
     """-1.17 mm inward, +2.04 mm outward of the step plane."""
     for c in drive.cables:
-        outward = winding(drive, c).outward
-        limits = band(drive, c)
+        outward, limits = winding(drive, c).outward, band(drive, c)
         edges = sorted(outward * (z - c.drum_radius_mm) for z in (limits.low_mm, limits.high_mm))
         assert edges == pytest.approx([-1.17, 2.04], abs=0.006), f"{c.name}: {edges}"
 

@@ -84,9 +84,8 @@ def test_no_stop_stands_out_of_its_pulley(drive: BevelDrive, stop_radius_ratio: 
 def test_dead_turns_lie_on_the_outer_ends(drive: BevelDrive) -> None:
     """Both helices of a pulley have the same hand and wind apart, or they would meet in the middle."""
     for cable in drive.cables:
-        outward = winding(drive, cable).outward
+        outward, limits = winding(drive, cable).outward, band(drive, cable)
         assert outward == (1 if cable.step in (2, 4) else -1)
-        limits = band(drive, cable)
         assert abs(limits.dead_end_mm - cable.drum_radius_mm) == pytest.approx(0.761 + 0.87, abs=0.001)
         assert (limits.dead_end_mm - cable.drum_radius_mm) * outward > 0
 
