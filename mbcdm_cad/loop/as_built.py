@@ -114,15 +114,10 @@ def _block(text: str, lines: list[str]) -> tuple[int, int]:
 
 
 def _entry(named: Named, source: str) -> dict[str, Any]:
-    entry: dict[str, Any] = {"name": named.name, "form": named.form}
-    if named.stage:
-        entry["stage"] = named.stage
-    if named.cables:
-        entry["cables"] = list(named.cables)
-    entry["values"] = [_value(name, value, named) for name, value in named.fitted.items()]
-    if source:
-        entry["source"] = source
-    return entry
+    values = [_value(name, value, named) for name, value in named.fitted.items()]
+    where = {"stage": named.stage, "cables": list(named.cables)}
+    more = {key: value for key, value in where.items() if value}
+    return {"name": named.name, "form": named.form, **more, "values": values} | ({"source": source} if source else {})
 
 
 def _value(name: str, value: float, named: Named) -> dict[str, Any]:

@@ -16,6 +16,8 @@ from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
 Starts = Callable[[Setup, Floats], list[list[float]]]
+# Strength 1 is friction and wraps as declared; far above it the friction coefficient itself is wrong.
+MOST_STRENGTH = 1.5
 
 
 @dataclass(frozen=True)

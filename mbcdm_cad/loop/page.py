@@ -93,21 +93,8 @@ def _noise(result: LoopResult) -> str:
 
 def _errors(result: LoopResult) -> dict[str, Any]:
     e = result.errors
-    _, shown = readable(
-        "_rad",
-        [
-            e.before.value,
-            e.before.low,
-            e.before.high,
-            e.peak_before_rad,
-            e.after.value,
-            e.after.low,
-            e.after.high,
-            e.peak_after_rad,
-            e.floor_rad,
-        ],
-    )
-    shown = [_micro(text) for text in shown]
+    sizes = [*e.before.three, e.peak_before_rad, *e.after.three, e.peak_after_rad, e.floor_rad]
+    shown = [_micro(text) for text in readable("_rad", sizes)[1]]
     most = max(e.before.value, e.after.value, e.floor_rad, 1e-300)
     return {
         "rows": [
@@ -123,7 +110,7 @@ def _errors(result: LoopResult) -> dict[str, Any]:
 def _effect(named: Named) -> dict[str, Any]:
     figures = []
     for name, value in named.parameters.items():
-        word, (middle, low, high) = readable(name, [value.value, value.low, value.high])
+        word, (middle, low, high) = readable(name, value.three)
         if name in named.meanings:
             word = f"{word}, {named.meanings[name]}"
         figures.append((word, _micro(middle), _micro(f"{low} to {high}")))
@@ -255,7 +242,7 @@ def described(named: Named, ranged: bool = False) -> str:
 
 def rounded(name: str, value: Value, ranged: bool = False) -> str:
     """A size with its unit, rounded to the digits that its interval supports; ``ranged``: the interval."""
-    factor, unit = size_of(name, [value.value, value.low, value.high])
+    factor, unit = size_of(name, value.three)
     if math.isinf(value.high):
         if value.low <= 0.0:
             return "a size that these runs leave open"

@@ -17,6 +17,11 @@ class Value:
     low: float
     high: float
 
+    @property
+    def three(self) -> list[float]:
+        """The figure and the ends of its interval."""
+        return [self.value, self.low, self.high]
+
     def to_json(self) -> dict[str, Any]:
         """As the result file has it."""
         return {"value": self.value, "ci95": [self.low, self.high]}

@@ -132,14 +132,10 @@ class Named:
 
     def to_json(self) -> dict[str, Any]:
         """As the result file has it."""
-        found: dict[str, Any] = {"name": self.name}
-        if self.stage:
-            found["stage"] = self.stage
-        if self.cables:
-            found["cables"] = list(self.cables)
-        if self.run:
-            found["run"] = self.run
-        found |= {
+        where = {"stage": self.stage, "cables": list(self.cables), "run": self.run}
+        found = {
+            "name": self.name,
+            **{key: value for key, value in where.items() if value},
             "form": self.form,
             "parameters": {name: value.to_json() for name, value in self.parameters.items()},
             "physical": dict(self.physical),
@@ -398,7 +394,7 @@ class LoopResult:
     def _described(self, named: Named) -> str:
         figures = []
         for name, value in named.parameters.items():
-            word, (middle, low, high) = readable(name, [value.value, value.low, value.high])
+            word, (middle, low, high) = readable(name, value.three)
             bounded = f"{middle} ({low.split(' ')[0]} to {high})"
             figures.append(f"{word} {bounded if math.isfinite(value.high) else _unbounded(value, low)}")
         return f"{named.words} [{named.form}: {', '.join(figures)}]"
@@ -470,7 +466,7 @@ def named_lines(named: Named) -> list[str]:
     """An effect with its figures, one on each line."""
     lines = [f"{named.words} ({named.form}): {named.physics}"]
     for name, value in named.parameters.items():
-        word, (middle, low, high) = readable(name, [value.value, value.low, value.high])
+        word, (middle, low, high) = readable(name, value.three)
         bounded = f"{middle} (95 %: {low} to {high})"
         lines.append(f"  {word} {bounded if math.isfinite(value.high) else _unbounded(value, low)}")
     for name, figure in named.physical.items():
@@ -542,7 +538,7 @@ class Differing:
         for one in self.runs:
             words = []
             for name, value in one.figures.items():
-                word, (middle, low, high) = readable(name, [value.value, value.low, value.high])
+                word, (middle, low, high) = readable(name, value.three)
                 words.append(f"{word} {middle} (95 %: {low} to {high})")
             lines.append(f"  {one.run:<{wide}}  {', '.join(words)}")
         return lines

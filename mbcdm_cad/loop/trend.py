@@ -85,7 +85,7 @@ class Trend:
             return said + self._reached
         said = odds_words(self.log_odds, f"{self.name} changes {self.course}", f"{self.name} does not change with time")
         if self.slope_a_day is not None and self.log_odds > 0.0:
-            word, (middle, low, high) = readable(self.figure, _three(self.slope_a_day))
+            word, (middle, low, high) = readable(self.figure, self.slope_a_day.three)
             over = "day" if "evenly" in self.course else "e-fold of the days"
             said += f": {word} by {middle} a {over} (95 %: {low} to {high})"
         return said + self._reached
@@ -109,7 +109,7 @@ class Trend:
         wide = max(len(run) for run in self.runs)
         lines = [f"{'date':<17}{'run':<{wide}}  {word} (95 %)"]
         for date, run, value in zip(self.dates, self.runs, self.values, strict=True):
-            _, (middle, low, high) = readable(self.figure, _three(value))
+            _, (middle, low, high) = readable(self.figure, value.three)
             lines.append(f"{date:%Y-%m-%d %H:%M} {run:<{wide}}  {middle} ({low} to {high})")
         return lines
 
@@ -129,10 +129,6 @@ class Trend:
             "day": [date.isoformat() if date else None for date in (self.day, self.earliest, self.latest)],
             "sentence": self.sentence,
         }
-
-
-def _three(value: Value) -> list[float]:
-    return [value.value, value.low, value.high]
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,8 +11,7 @@ from math import degrees, pi
 
 import numpy as np
 
-from mbcdm_cad.loop.effect import Effect, Effects, Figure, Parameter
-from mbcdm_cad.loop.effects.passed_slip import MOST
+from mbcdm_cad.loop.effect import MOST_STRENGTH, Effect, Effects, Figure, Parameter
 from mbcdm_cad.loop.prepare.setup import DriveSI, Prepared
 
 # First guesses of the wrap, shares of that of the design; a shorter one slips as a whole.
@@ -26,7 +25,7 @@ def offer(d: DriveSI | None, p: Prepared) -> Effects:
     """With torque, for cables that run through over their inputs."""
     if d is None or p.load_Nm is None or d.through_wrap_rad is None or np.ptp(p.common_rad) < LEAST_TRAVEL_RAD:
         return
-    wrap, strength = float(np.min(d.through_wrap_rad)), Parameter("strength", 0.2, 0.0, MOST)
+    wrap, strength = float(np.min(d.through_wrap_rad)), Parameter("strength", 0.2, 0.0, MOST_STRENGTH)
     yield Effect(
         "input_creep",
         "too little wrap for the travel",

@@ -2,11 +2,8 @@
 
 from dataclasses import replace
 
-from mbcdm_cad.loop.effect import Effect, Effects, Parameter
+from mbcdm_cad.loop.effect import MOST_STRENGTH, Effect, Effects, Parameter
 from mbcdm_cad.loop.prepare.setup import DriveSI, Floats, Prepared, Setup, Simulator
-
-# Strength 1 is friction and wraps as declared; far above it the friction coefficient itself is wrong.
-MOST = 1.5
 
 
 def _apply(setup: Setup, values: Floats, simulate: Simulator) -> Setup:
@@ -26,7 +23,7 @@ def offer(d: DriveSI | None, p: Prepared) -> Effects:
         "the rope slips on the guide too, from both ends of its wrap; strength 1 is the whole effect",
         "no part of the bench: in the declared model the tension passes the guide without slip",
         "loads of several sizes: slip on the guide ends where it has reached the whole wrap",
-        (Parameter("strength", 0.5, 0.0, MOST),),
+        (Parameter("strength", 0.5, 0.0, MOST_STRENGTH),),
         _apply,
         plain="the rope creeps on the guide: {strength} times what its friction and wrap allow",
     )
