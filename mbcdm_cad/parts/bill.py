@@ -67,7 +67,11 @@ class Placement:
         if length == 0.0:
             raise ValueError(f"rotation by {angle_deg} deg has no axis: {axis}")
         x, y, z = (component / length for component in axis)
-        cosine, sine = _exact_cos_sin(angle_deg)
+        quarter_turns, remainder = divmod(angle_deg, 90.0)
+        if remainder == 0.0:
+            cosine, sine = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[int(quarter_turns) % 4]
+        else:
+            cosine, sine = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
         rest = 1.0 - cosine
         rotation = np.array(
             [
@@ -117,13 +121,6 @@ def _times(row: Row, columns: tuple[tuple[float, ...], ...]) -> Row:
     x, y, z, along = (a * u + b * v + c * w for u, v, w in columns)
     # Adding 0.0 turns -0.0 into 0.0, so that equal placements are written alike.
     return x + 0.0, y + 0.0, z + 0.0, along + shift + 0.0
-
-
-def _exact_cos_sin(angle_deg: float) -> tuple[float, float]:
-    quarter_turns, remainder = divmod(angle_deg, 90.0)
-    if remainder == 0.0:
-        return ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[int(quarter_turns) % 4]
-    return math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
 
 
 # Turns parts that are drawn along +Z to +Y, to -Y and to -Z.

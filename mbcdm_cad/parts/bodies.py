@@ -8,17 +8,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import cos, pi, sin
-from typing import TYPE_CHECKING
 
 from mbcdm_cad.design.bought import Bearing, Encoder, Gearhead, InsertSpec, Motor, Screw, Servo
 from mbcdm_cad.parts.milled import PlainRing, block, cut, cylinder_z, fuse, hexagon_z, one_solid, turned
-from mbcdm_cad.parts.part import BoughtPart, Part, Ring
+from mbcdm_cad.parts.part import BoughtPart, Part, Ring, cq
 from mbcdm_cad.parts.turned import PreloadSpringDims
 from mbcdm_cad.routes.curves import Piece
-
-if TYPE_CHECKING:
-    import cadquery as cq
-
 
 # Width across the ring encoder's two flats over its diameter.
 RING_ENCODER_FLATS = 22.0 / 24.0
@@ -318,8 +313,6 @@ class CableRod(Part):
 
     def solid(self) -> cq.Solid:
         """One sweep. Raises ``ValueError`` where the rod is thicker than a bend allows."""
-        import cadquery as cq
-
         from mbcdm_cad.parts.rod import swept_rod
 
         return one_solid(cq.Shape.cast(swept_rod(self.pieces, self.radius)), "cable")

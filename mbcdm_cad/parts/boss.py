@@ -4,20 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import pi, sqrt
-from typing import TYPE_CHECKING
 
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
 from mbcdm_cad.parts.drum_sector.sizes import SPRING_HEIGHT_MM
 from mbcdm_cad.parts.fits import DRUM_AXIS, FITS
 from mbcdm_cad.parts.milled import Bores, Form, block, cylinder_y, span
-from mbcdm_cad.parts.part import ring_mm3, segment_mm2
+from mbcdm_cad.parts.part import cq, ring_mm3, segment_mm2
 from mbcdm_cad.parts.sheet import Linear, Y
 from mbcdm_cad.parts.sheet_blocks import THROUGH
 from mbcdm_cad.parts.turned import DrumShaftDims
-
-if TYPE_CHECKING:
-    import cadquery as cq
-
 
 BEARING_WALL_MM = 3.0
 EAR_WALL_MM = 1.2

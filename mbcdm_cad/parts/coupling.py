@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import cos, hypot, pi, sin, sqrt
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,13 +22,9 @@ from mbcdm_cad.design.stage import BELT_SIDE_MM, DENSITY_G_CM3, FLANGE_MM, FLANG
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
 from mbcdm_cad.parts.fits import FITS, thread
 from mbcdm_cad.parts.milled import PlainRing, Step, Turned, block, cylinder
-from mbcdm_cad.parts.part import BoughtPart, MadePart, Ring
+from mbcdm_cad.parts.part import BoughtPart, MadePart, Ring, cq
 from mbcdm_cad.parts.sheet import CuttingLine, FitLine, Holes, Linear, Sheet, View, X, Y, Z, minus, mm
 from mbcdm_cad.parts.sheet_blocks import hole_labels, hole_table
-
-if TYPE_CHECKING:
-    import cadquery as cq
-
 
 COLLAR_SLIT_MM = 1.0
 HEAD_PLAY_MM = 0.1
@@ -328,8 +323,6 @@ class Belt(BoughtPart):
 
     def solid(self) -> cq.Solid:
         """The band between two offsets of its pitch line."""
-        import cadquery as cq
-
         b = self.entry
 
         def loop(offset: float) -> cq.Wire:

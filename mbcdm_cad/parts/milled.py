@@ -8,15 +8,12 @@ from abc import abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from math import cos, pi, radians, sin
-from typing import TYPE_CHECKING, ClassVar, Protocol, Self
+from typing import ClassVar, Protocol, Self
 
 from mbcdm_cad.parts import part
 from mbcdm_cad.parts.fits import thread
+from mbcdm_cad.parts.part import cq
 from mbcdm_cad.parts.sheet import Holes, Linear, Radius, Side, Table, Vector, mm
-
-if TYPE_CHECKING:
-    import cadquery as cq
-
 
 Point2 = tuple[float, float]
 Point3 = tuple[float, float, float]
@@ -38,16 +35,12 @@ def _distinct(profile: Sequence[Point2]) -> list[Point2]:
 
 def turned(profile: Sequence[Point2], name: str) -> cq.Solid:
     """Solid of revolution about Z of a closed polygon of (radius, z) points, mm."""
-    import cadquery as cq
-
     wire = cq.Wire.makePolygon([cq.Vector(r, 0, z) for r, z in _distinct(profile)], close=True)
     return one_solid(cq.Solid.revolve(wire, [], 360.0, cq.Vector(0, 0, 0), cq.Vector(0, 0, 1)), name)
 
 
 def turned_about_y(profile: Sequence[Point2], start_deg: float, sweep_deg: float, name: str) -> cq.Solid:
     """Solid of revolution about Y of (radius, y) points, from ``start_deg`` (0 at +Z, positive towards +X)."""
-    import cadquery as cq
-
     wire = cq.Wire.makePolygon([cq.Vector(r, y, 0) for r, y in _distinct(profile)], close=True)
     # The profile stands on the +X axis, which is 90 degrees from +Z.
     placed = wire.rotate(cq.Vector(0, 0, 0), cq.Vector(0, 1, 0), start_deg - 90.0)
@@ -56,8 +49,6 @@ def turned_about_y(profile: Sequence[Point2], start_deg: float, sweep_deg: float
 
 def cylinder(radius: float, start: Point3, direction: Point3, length: float) -> cq.Solid:
     """Cylinder of ``length`` from ``start`` along ``direction``."""
-    import cadquery as cq
-
     return cq.Solid.makeCylinder(radius, length, cq.Vector(*start), cq.Vector(*direction))
 
 
@@ -73,22 +64,16 @@ def cylinder_z(radius: float, x: float, y: float, z_start: float, z_end: float) 
 
 def block(x: Point2, y: Point2, z: Point2) -> cq.Solid:
     """Box between the given limits."""
-    import cadquery as cq
-
     return cq.Solid.makeBox(x[1] - x[0], y[1] - y[0], z[1] - z[0], cq.Vector(x[0], y[0], z[0]))
 
 
 def extruded_y(outline: cq.Wire, length: float, holes: Sequence[cq.Wire] = ()) -> cq.Solid:
     """Prism along Y of ``length`` over a flat outline less its ``holes``, which lie inside it."""
-    import cadquery as cq
-
     return cq.Solid.extrudeLinear(outline, list(holes), cq.Vector(0, length, 0))
 
 
 def prism_y(points: Sequence[Point2], y_start: float, y_end: float, radius: float = 0.0) -> cq.Solid:
     """Prism along Y over a closed polygon of (x, z) points, its edges parallel to Y rounded by ``radius``."""
-    import cadquery as cq
-
     outline = cq.Wire.makePolygon([cq.Vector(x, y_start, z) for x, z in points], close=True)
     return extruded_y(_rounded(outline, radius), y_end - y_start)
 
@@ -101,8 +86,6 @@ def pocket_y(x: Point2, y: Point2, z: Point2, radius: float) -> cq.Solid:
 
 def _rounded(outline: cq.Wire, radius: float) -> cq.Wire:
     """The flat outline with all corners rounded, which is far faster than to round the edges of a prism."""
-    import cadquery as cq
-
     if radius <= 0.0:
         return outline
     face = cq.Face.makeFromWires(outline)
@@ -113,7 +96,6 @@ def sector_outline(
     r_inner: float, r_outer: float, start_deg: float, end_deg: float, y: float, radius: float = 0.0
 ) -> cq.Wire:
     """Outline of an annular sector about the Y axis at ``y`` (angles from +Z towards +X), its four corners rounded."""
-    import cadquery as cq
 
     def at(r: float, deg: float) -> cq.Vector:
         return cq.Vector(r * sin(radians(deg)), y, r * cos(radians(deg)))
@@ -132,16 +114,12 @@ def sector_outline(
 
 def ring_y(r_inner: float, r_outer: float, y: float, length: float, holes: Sequence[cq.Wire] = ()) -> cq.Solid:
     """Ring about the Y axis of ``length`` from ``y``, less its ``holes``, which lie inside it at ``y``."""
-    import cadquery as cq
-
     inner, outer = (cq.Wire.makeCircle(r, cq.Vector(0, y, 0), cq.Vector(0, 1, 0)) for r in (r_inner, r_outer))
     return extruded_y(outer, length, [inner, *holes])
 
 
 def hexagon_z(across_flats: float, z_start: float, z_end: float) -> cq.Solid:
     """Hexagonal prism along Z."""
-    import cadquery as cq
-
     r = across_flats / 3**0.5
     points = [cq.Vector(r * cos(pi / 3 * k), r * sin(pi / 3 * k), z_start) for k in range(6)]
     return cq.Solid.extrudeLinear(cq.Wire.makePolygon(points, close=True), [], cq.Vector(0, 0, z_end - z_start))
@@ -213,8 +191,6 @@ class Slab:
 
 def rounded(body: cq.Shape, radius: float, edges: str = "|Z", *of_these: str) -> cq.Shape:
     """The body with these edges rounded, those along Z if not given; each selector chooses among those before it."""
-    import cadquery as cq
-
     found = cq.Workplane(obj=body).edges(edges)
     for selector in of_these:
         found = found.edges(selector)

@@ -8,13 +8,24 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
+from importlib import import_module
 from math import acos, pi, sqrt
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
 
 if TYPE_CHECKING:
-    import cadquery as cq
+    import cadquery
 
     from mbcdm_cad.parts.sheet import Sheet
+
+    cq = cadquery
+else:
+
+    class _WhenDrawn:
+        def __getattr__(self, name):
+            return getattr(import_module("cadquery"), name)
+
+    # The library is loaded when something is drawn: it takes a second, and checks and analysis do without.
+    cq = _WhenDrawn()
 
 
 # Metal that remains in each rounded corner, as a share of the radius squared: 1 - pi/4.

@@ -275,8 +275,3 @@ def mm(value: float, decimals: int = 2) -> str:
 def mm3(value: float) -> str:
     """Millimetres to the micrometre."""
     return mm(value, 3)
-
-
-def degrees(value: float) -> str:
-    """Degrees to a hundredth."""
-    return f"{mm(value)}%%d"

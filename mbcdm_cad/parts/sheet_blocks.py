@@ -27,9 +27,9 @@ FREE_POSITION_MM = 0.1
 COLUMNS = ("Hole", "No.", "%%c", "Thread", "Depth", "Fit", "Counterbore", "From")
 
 
-def hole_table(groups: Sequence[Holes], title: str = "Holes") -> Table:
+def hole_table(groups: Sequence[Holes]) -> Table:
     """One line for each group of equal holes."""
-    return Table(title, COLUMNS, tuple(group.row() for group in groups))
+    return Table("Holes", COLUMNS, tuple(group.row() for group in groups))
 
 
 def position_table(groups: Sequence[Holes], axes: tuple[int, int], title: str) -> Table:
@@ -89,44 +89,22 @@ class Axis:
         x, y, z = X[0] * radius, self.direction[1] * along, self.direction[2] * along
         return (x, y, z)
 
-    def view(self, low: float, high: float, *, section: bool, hidden: bool = False, title: str = "") -> View:
+    def view(self, low: float, high: float, *, section: bool) -> View:
         """The main view; a section through the axis if ``section``."""
         return View(
             MAIN,
             right=self.direction,
             up=X,
             cut=(0.0, 0.0, 0.0) if section else None,
-            hidden=hidden,
-            title=title,
             axes=((self.point(0.0, low), self.point(0.0, high)),),
         )
 
     def diameter(
-        self,
-        radius: float,
-        at: float,
-        side: Side,
-        *,
-        fit: str = "",
-        count: int = 1,
-        suffix: str = "",
-        decimals: int = 2,
-        datum: str = "",
+        self, radius: float, at: float, side: Side, *, fit: str = "", count: int = 1, decimals: int = 2, datum: str = ""
     ) -> Linear:
         """Diameter of the cylinder whose generator passes ``at``, shown at the ``left`` or ``right``."""
-        prefix = f"{count}x %%c" if count > 1 else "%%c"
-        return Linear(
-            MAIN,
-            self.point(-radius, at),
-            self.point(radius, at),
-            2 * radius,
-            side,
-            prefix,
-            suffix,
-            fit,
-            decimals=decimals,
-            datum=datum,
-        )
+        prefix, ends = f"{count}x %%c" if count > 1 else "%%c", (self.point(-radius, at), self.point(radius, at))
+        return Linear(MAIN, *ends, 2 * radius, side, prefix, fit=fit, decimals=decimals, datum=datum)
 
     def thread(self, radius: float, at: float, side: Side, tolerance: str) -> Linear:
         """Thread of nominal diameter ``2 * radius``; its class of tolerance stands behind it."""
@@ -146,16 +124,8 @@ class Axis:
         """Length along the axis; ``radii`` say where the extension lines start."""
         sign = 1.0 if side == "above" else -1.0
         prefix = f"{count}x " if count > 1 else ""
-        return Linear(
-            MAIN,
-            self.point(sign * radii[0], low),
-            self.point(sign * radii[1], high),
-            high - low,
-            side,
-            prefix,
-            suffix,
-            decimals=decimals,
-        )
+        ends = self.point(sign * radii[0], low), self.point(sign * radii[1], high)
+        return Linear(MAIN, *ends, high - low, side, prefix, suffix, decimals=decimals)
 
     def square(self, radii: tuple[float, float], faces: tuple[float, ...], value_mm: float, datum: str) -> Tolerance:
         """Faces across the axis, between two radii, are perpendicular to it."""

@@ -8,20 +8,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import ceil, cos, sin
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mbcdm_cad.design.bought import SpringSpec
 from mbcdm_cad.design.drive import CableRun, Drive
 from mbcdm_cad.model.tensioning import TakeUp, TensionedRope, rope_stiffnesses, take_up
 from mbcdm_cad.parts.fits import thread
 from mbcdm_cad.parts.milled import PlainRing, Step, Turned, block, one_solid, turned
-from mbcdm_cad.parts.part import BoughtPart, MadePart, Ring, StandardPart, segment_mm2
+from mbcdm_cad.parts.part import BoughtPart, MadePart, Ring, StandardPart, cq, segment_mm2
 from mbcdm_cad.parts.sheet import Linear, Sheet, View, X, Y, minus, mm
 from mbcdm_cad.parts.sheet_blocks import ALONG_Z
-
-if TYPE_CHECKING:
-    import cadquery as cq
-
 
 # What grinding takes from the coils at both ends of a coil spring together (usual: half of each).
 _CLOSED = 1.0
@@ -82,8 +78,6 @@ class TerminalSpring(BoughtPart):
         )
 
     def _coil(self) -> cq.Solid:
-        import cadquery as cq
-
         wire = self.entry.strip_mm
         coils = self.entry.solid_mm / wire - _CLOSED
         mean, rise = (self.entry.inside_mm + wire) / 2, self.height - wire

@@ -9,17 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import pairwise
 from math import cos, pi, radians, sin, sqrt
-from typing import TYPE_CHECKING
 
 from mbcdm_cad.parts.fits import FITS, Datum, GeometricTolerance, thread
 from mbcdm_cad.parts.milled import PlainRing, Point2, Step, Turned, cut, cylinder_z, hexagon_z
-from mbcdm_cad.parts.part import MadePart, Ring, StandardPart, ring_mm3, segment_mm2
+from mbcdm_cad.parts.part import MadePart, Ring, StandardPart, cq, ring_mm3, segment_mm2
 from mbcdm_cad.parts.sheet import FitLine, Label, Linear, Sheet, Table, Vector, View, Y, minus, mm3
 from mbcdm_cad.parts.sheet_blocks import ALONG_Y, ALONG_Z, MAIN
-
-if TYPE_CHECKING:
-    import cadquery as cq
-
 
 _SMALLEST_ISO_NUT_MM = 1.6
 
@@ -326,8 +321,6 @@ class DrumShaft(Turned, MadePart):
 
     def cuts(self) -> list[cq.Shape]:
         """Its flats."""
-        import cadquery as cq
-
         d, origin, y = self.dims, cq.Vector(0.0, 0.0, 0.0), cq.Vector(0.0, 1.0, 0.0)
         low, r = d.flat_y - d.flat_length / 2, d.radius
         box = cq.Solid.makeBox(2 * r, d.flat_length, r, cq.Vector(-r, low, d.flat))

@@ -19,7 +19,7 @@ from mbcdm_cad.parallel.forks import fork_map
 from mbcdm_cad.parts.bill import Bill, Item
 from mbcdm_cad.parts.bodies import CableRod
 from mbcdm_cad.parts.making import accuracy, sheet_as_printed
-from mbcdm_cad.parts.part import MadePart, Part, StandardPart
+from mbcdm_cad.parts.part import MadePart, Part, StandardPart, cq
 from mbcdm_cad.storage.cache import Cache, content_key
 from mbcdm_cad.workshop.mass import assembly_mass
 from mbcdm_cad.workshop.store import Progress, StoredPart, drawn
@@ -103,7 +103,6 @@ class _Assembly:
 
     def make(self) -> dict[str, bytes]:
         """The sheet's files by extension."""
-        import cadquery as cq
         import numpy as np
 
         from mbcdm_cad.drawings.draw import draw_sheet

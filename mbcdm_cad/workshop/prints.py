@@ -16,6 +16,7 @@ from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.parts.bill import Vector
 from mbcdm_cad.parts.milled import one_solid
+from mbcdm_cad.parts.part import cq
 from mbcdm_cad.storage.cache import Cache, content_key
 from mbcdm_cad.workshop.export.files import lying, threemf_bytes
 from mbcdm_cad.workshop.store import Progress, Store, StoredPart, drawn, exported_parts
@@ -173,7 +174,6 @@ class RoundHole(NamedTuple):
 
 def round_holes(solid: Shape, least_wall: float = LEAST_WALL) -> list[RoundHole]:
     """Round bores with at least this share of their wall, in a fixed order."""
-    import cadquery as cq
     from OCP.BRepAdaptor import BRepAdaptor_Surface
 
     walls: dict[tuple[float, ...], list[tuple[float, float, float]]] = {}
@@ -218,8 +218,6 @@ def _together(pieces: list[tuple[float, float, float]]) -> list[tuple[float, flo
 
 def with_wider_holes(name: str, solid: Shape, allowance_mm: float) -> Shape:
     """The solid with all its round holes wider by ``allowance_mm`` on the diameter. Raises ``ValueError`` naming it."""
-    import cadquery as cq
-
     body = cq.Shape.cast(solid)
     for hole in round_holes(solid):
         start = cq.Vector(*hole.foot_mm) + cq.Vector(*hole.direction) * hole.low_mm

@@ -20,6 +20,7 @@ from mbcdm_cad.layouts.base import FrameCompliance, Layout, NoFigureError
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.parallel.forks import fork_map, forked
 from mbcdm_cad.parts.bill import CABLE, Bill, Item, PartSpec
+from mbcdm_cad.parts.part import cq
 from mbcdm_cad.storage.cache import Cache, cache_folder, content_key
 from mbcdm_cad.workshop.interference import interference_run, scenes
 from mbcdm_cad.workshop.mass import PartFiles
@@ -314,8 +315,6 @@ def assembled(drive: Drive, angle_deg: float) -> Any:
 
     Parts come from the cache if it has them. Raises ``MbcdmError`` for an angle beyond the travel.
     """
-    import cadquery as cq
-
     from mbcdm_cad.workshop.kernel import location
 
     items, parts = drawn(drive, angle_deg, Cache(cache_folder()), lambda name: None)

@@ -11,12 +11,10 @@ import numpy as np
 
 from mbcdm_cad.parts import milled
 from mbcdm_cad.parts.drum_sector.dims import CHAMFER_MM, POCKET_LEAD_MM, SET_SCREW_ANGLES_DEG, DrumDims
-from mbcdm_cad.parts.part import CORNER, Gyration, MadePart, ring_mm3
+from mbcdm_cad.parts.part import CORNER, Gyration, MadePart, cq, ring_mm3
 from mbcdm_cad.parts.terminal import Tensioner
 
 if TYPE_CHECKING:
-    import cadquery as cq
-
     from mbcdm_cad.parts.sheet import Sheet
 
 # Cells of the grid on which the pockets of the drum's rim are summed: about 0.2 x 0.3 mm on a drum of 65 mm.
@@ -140,20 +138,8 @@ def _pocket(dims: DrumDims, t: Tensioner) -> cq.Solid:
     return milled.fuse(rooms, f"pocket of {t.cable_name}")
 
 
-def _lug_body(dims: DrumDims, t: Tensioner) -> cq.Solid:
-    return _box(
-        t,
-        (t.lug_start, t.lug_end),
-        # It reaches into the rim but no deeper, because the cable of the next land may run below.
-        (-dims.lug_root(t), dims.lug_half_width),
-        dims.lug_y(t),
-    )
-
-
 def _stud_slot(dims: DrumDims, t: Tensioner) -> cq.Solid:
     """Slot of the lug, open as its pockets are: the stud is inserted sideways, and the cable holds it there."""
-    import cadquery as cq
-
     r, start = dims.stud_hole_radius, t.lug_start - 0.5
 
     def at(n: float, y: float) -> cq.Vector:
@@ -175,8 +161,6 @@ def _stud_slot(dims: DrumDims, t: Tensioner) -> cq.Solid:
 
 def _stop_slot(dims: DrumDims, y: float) -> cq.Wire:
     """Outline at ``y`` of the slot along an arc, its ends round."""
-    import cadquery as cq
-
     half, end = dims.stop_slot_width / 2, dims.stop_slot_end_deg
 
     def at(radius: float, deg: float) -> cq.Vector:
@@ -198,13 +182,13 @@ def _stop_slot(dims: DrumDims, y: float) -> cq.Wire:
 
 
 def _hub_holes(dims: DrumDims, set_screw_thread: float) -> list[cq.Shape]:
-    tools: list[cq.Shape] = []
-    for x, z in dims.payload_places:
-        tools.append(
-            milled.cylinder_y(dims.payload_hole / 2, x, z, dims.hub_face_y - dims.payload_depth, dims.hub_face_y + 1)
-        )
+    face, back = dims.hub_face_y, dims.hub_start_y
+    tools: list[cq.Shape] = [
+        milled.cylinder_y(dims.payload_hole / 2, x, z, face - dims.payload_depth, face + 1)
+        for x, z in dims.payload_places
+    ]
     if dims.dowels is not None:
-        d, face, back = dims.dowels, dims.hub_face_y, dims.hub_start_y
+        d = dims.dowels
         tools += [
             milled.cylinder_y(d.radius, x, z, face - d.face_depth, face + 1) for x, z in d.places(d.face_angles_deg)
         ]
@@ -233,7 +217,12 @@ class DrumSector(MadePart):
         tools: list[cq.Shape] = []
         if dims.tensioners:
             body = body.cut(*(_pocket(dims, t) for t in dims.tensioners))
-            body = body.fuse(*(_lug_body(dims, t) for t in dims.tensioners)).clean()
+            # A lug reaches into the rim but no deeper, because the cable of the next land may run below.
+            lugs = (
+                _box(t, (t.lug_start, t.lug_end), (-dims.lug_root(t), dims.lug_half_width), dims.lug_y(t))
+                for t in dims.tensioners
+            )
+            body = body.fuse(*lugs).clean()
         tools += [_stud_slot(dims, t) for t in dims.tensioners]
         tools += _hub_holes(dims, set_screw_thread)
         return milled.cut(body, tools, "drum")

@@ -67,14 +67,6 @@ def furthest_anchor_rad(drive: SectorDrive) -> float:
     return radians(drive.drum.sector_half_angle_deg - SECTOR_MARGIN_DEG)
 
 
-def _spigot_root_mm(drive: SectorDrive, spigot_mm: float) -> float:
-    """Radius of the spigot at the hub: a printed one, too thin as a ring, is a cone of at least 45 degrees."""
-    if not drive.drum_material.printed:
-        return spigot_mm
-    wanted = max(spigot_mm + SPIGOT_HEIGHT_MM, drive.bearings.drum.bore_mm / 2 + drive.drum_material.min_wall_mm)
-    return max(spigot_mm, min(wanted, drive.drum.hub_diameter_mm / 2 - dims.CHAMFER_MM))
-
-
 def lug_wall_mm(printed: bool, min_wall_mm: float) -> float:
     """Wall of a lug beside the stud's hole; ``min_wall_mm``: the thinnest that a printed drum's material allows."""
     return max(LUG_WALL_MM, min_wall_mm) if printed else LUG_WALL_MM
@@ -121,14 +113,11 @@ def _anchor_limit(drive: SectorDrive, cable: SectorRun, tip: float, nuts_end: fl
     by_angle = radians(drive.drum.sector_half_angle_deg - SECTOR_MARGIN_DEG) - atan2(tip, r)
     if drive.drum.sector_half_angle_deg >= 90.0:
         return by_angle
+    width = half_width_mm(drive) - 0.1
+    # Corners, out from the axis and along the tangent, which reach this width at some angle.
     corners = ((r + nut_corner_radius_mm(drive), nuts_end), (r + drive.tensioner.thread_mm / 2, tip))
-    return min(by_angle, *(_angle_within(half_width_mm(drive) - 0.1, out, along, by_angle) for out, along in corners))
-
-
-def _angle_within(width: float, out: float, along: float, otherwise: float) -> float:
-    """Angle at which a corner, ``out`` from the axis and ``along`` the tangent, reaches ``width``."""
-    amplitude = hypot(out, along)
-    return asin(width / amplitude) - atan2(along, out) if width < amplitude else otherwise
+    within = [asin(width / hypot(*at)) - atan2(at[1], at[0]) for at in corners if width < hypot(*at)]
+    return min([by_angle, *within])
 
 
 def nut_pocket_mm(drive: SectorDrive) -> float:
@@ -297,14 +286,6 @@ def pocket_end_rad(t: Tensioner) -> float:
     return t.anchor_rad + atan2(t.pocket_end, t.radius_mm)
 
 
-def _lug_reach_mm(drive: SectorDrive, placed: tuple[Tensioner, ...]) -> float:
-    """How far lugs on a whole drum may reach along y: to a wall before the turn beside them, and before the middle."""
-    wall = drive.drum_material.min_wall_mm
-    return min(
-        (min(drive.turn_beside_mm(pocket_end_rad(t)) - wall, abs(t.y_mm) - wall / 2) for t in placed), default=0.0
-    )
-
-
 def drum(drive: SectorDrive, levels: InputLevels, stop_radius: float, way: TerminalWay) -> dims.DrumDims:
     """Dimensions of the drum; the stop pin stands in the frame at ``stop_radius`` from its axis."""
     d = drive.drum
@@ -315,11 +296,20 @@ def drum(drive: SectorDrive, levels: InputLevels, stop_radius: float, way: Termi
     shaft_radius = drive.bearings.drum.bore_mm / 2
     screw = drive.screw(HUB_SCREW)
     hub_radius, spigot = d.hub_diameter_mm / 2, drive.bearings.drum.inner_shoulder_mm / 2
+    spigot_root = spigot
+    if drive.drum_material.printed:
+        # A printed spigot, too thin as a ring, is a cone of at least 45 degrees.
+        wanted = max(spigot + SPIGOT_HEIGHT_MM, shaft_radius + drive.drum_material.min_wall_mm)
+        spigot_root = max(spigot, min(wanted, hub_radius - dims.CHAMFER_MM))
     web_start = _web_start_y(drive, levels)
     placed = tensioners(drive, way)
     joint, circle = _payload(drive)
     root_radius, root_end = _root(drive, levels, stop_radius)
     flat_wall = drive.tensioner.swage_flats_mm / 2 + FLAT_PLAY_MM
+    # How far printed lugs on a whole drum may reach along y: to a wall before the turn beside them, and the middle.
+    wall = drive.drum_material.min_wall_mm
+    ends = [min(drive.turn_beside_mm(pocket_end_rad(t)) - wall, abs(t.y_mm) - wall / 2) for t in placed]
+    lug_reach = min(ends, default=0.0) if drive.drum_material.printed else 0.0
     return dims.DrumDims(
         half_angle_deg=d.sector_half_angle_deg,
         rim_inner_radius=d.rim_inner_radius_mm,
@@ -330,7 +320,7 @@ def drum(drive: SectorDrive, levels: InputLevels, stop_radius: float, way: Termi
         hub_start_y=levels.boss_front_y + SPIGOT_HEIGHT_MM,
         hub_face_y=d.hub_face_y_mm,
         spigot_radius=spigot,
-        spigot_root_radius=_spigot_root_mm(drive, spigot),
+        spigot_root_radius=spigot_root,
         spigot_y=levels.boss_front_y,
         bore_radius=shaft_radius,
         windows=_windows(drive, stop_radius, slot_end),
@@ -355,7 +345,7 @@ def drum(drive: SectorDrive, levels: InputLevels, stop_radius: float, way: Termi
         corner_radius=2 * drive.drum_material.min_internal_radius_mm,
         root_radius=root_radius,
         root_end_y=root_end,
-        lug_reach=_lug_reach_mm(drive, placed) if drive.drum_material.printed else 0.0,
+        lug_reach=lug_reach,
     )
 
 

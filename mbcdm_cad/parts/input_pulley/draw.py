@@ -5,8 +5,6 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import ceil, cos, degrees, pi, radians, sin, sqrt, tau
 
-import cadquery as cq
-
 from mbcdm_cad.parts.input_pulley.dims import (
     CHAMFER_MM,
     SET_SCREWS_DEG,
@@ -16,6 +14,7 @@ from mbcdm_cad.parts.input_pulley.dims import (
     StopSlot,
 )
 from mbcdm_cad.parts.milled import Point2, block, cut, cylinder, cylinder_z, fuse, one_solid, turned
+from mbcdm_cad.parts.part import cq
 from mbcdm_cad.parts.rod import edge_of
 
 

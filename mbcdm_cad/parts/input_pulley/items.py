@@ -9,21 +9,11 @@ from mbcdm_cad.parts.bill import ALONG_Y, BillBuilder, Placement
 from mbcdm_cad.parts.bodies import GearheadBody, HornBody, MotorBody, MotorWithShaft, ServoBody
 from mbcdm_cad.parts.coupling import Collar, CollarDims
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
-from mbcdm_cad.parts.input_pulley.dims import SET_SCREWS_DEG, InputPulleyDims, SetHub, StopSlot
+from mbcdm_cad.parts.input_pulley.dims import SET_SCREWS_DEG, InputPulleyDims, SetHub
 from mbcdm_cad.parts.input_pulley.part import InputPulley
 from mbcdm_cad.parts.turned import Sleeve
 
 UPRIGHT = Placement.identity()
-
-
-def _stop_place(slot: StopSlot) -> Placement:
-    """A stop drawn along +Z from its end next to the bend, laid on the chord."""
-    a = slot.end_angle_rad
-    u, v = (cos(a), sin(a)), (-slot.away * sin(a), slot.away * cos(a))
-    x = slot.stop_start * u[0] + slot.chord_offset * v[0]
-    y = slot.stop_start * u[1] + slot.chord_offset * v[1]
-    turn = Placement.about((0.0, 0.0, 1.0), degrees(a) + 180.0) @ Placement.about((0.0, 1.0, 0.0), 90.0)
-    return Placement.translation(x, y, slot.chord_z) @ turn
 
 
 def _add_set_screws(b: BillBuilder, drive: SectorDrive, pulley: InputPulleyDims, hub: SetHub, stand: Placement) -> None:
@@ -83,13 +73,17 @@ def add_input_pulley(
     middle = Placement.translation(collar.screw_offset, collar.head_seat, (collar.bottom_z + collar.top_z) / 2)
     b.screw(f"collar_screw_{pulley.name}", screw, drive.material("steel"), stand @ middle @ ALONG_Y, group)
     for slot in pulley.slots:
+        # A stop is drawn along +Z from its end next to the bend, and laid on the chord.
+        a, away = slot.end_angle_rad, slot.away * slot.chord_offset
+        x, y = slot.stop_start * cos(a) - away * sin(a), slot.stop_start * sin(a) + away * cos(a)
+        turn = Placement.about((0.0, 0.0, 1.0), degrees(a) + 180.0) @ Placement.about((0.0, 1.0, 0.0), 90.0)
         b.add(
             f"stop_{slot.cable_name}",
             Sleeve(drive.cable.diameter_mm / 2, slot.stop_radius, slot.stop_start - slot.stop_end),
             part="stop",
             material=drive.material("stainless"),
             group=group,
-            place=stand @ _stop_place(slot),
+            place=stand @ Placement.translation(x, y, slot.chord_z) @ turn,
         )
 
 

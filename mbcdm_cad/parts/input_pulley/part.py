@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import asin, cos, degrees, hypot, pi, sin, sqrt, tau
-from typing import TYPE_CHECKING
 
 from mbcdm_cad.parts.fits import FITS, GeometricTolerance
 from mbcdm_cad.parts.input_pulley.dims import (
@@ -15,12 +14,9 @@ from mbcdm_cad.parts.input_pulley.dims import (
     InputPulleyDims,
     StopSlot,
 )
-from mbcdm_cad.parts.part import MadePart, Ring, ring_mm3, rings_mm3
+from mbcdm_cad.parts.part import MadePart, Ring, cq, ring_mm3, rings_mm3
 from mbcdm_cad.parts.sheet import FitLine, Holes, Label, Linear, Sheet, Table, Vector, View, X, Y, Z, minus, mm, mm3
 from mbcdm_cad.parts.sheet_blocks import ALONG_Z, MAIN, THROUGH, hole_labels, hole_table, position_table
-
-if TYPE_CHECKING:
-    import cadquery as cq
 
 
 def _strip_mm2(radius: float, width: float) -> float:
@@ -70,7 +66,7 @@ class InputPulley(MadePart):
             (d.upper_neck_radius, 0.0, d.land_top_z, d.upper_neck_top_z),
             (d.upper_journal_radius, 0.0, d.upper_neck_top_z, d.journal_top_z),
             (0.0, d.bore_radius, d.journal_bottom_z, d.bore_top_z),
-            *(_groove_ring(groove) for groove in d.grooves),
+            *map(_groove_ring, d.grooves),
         )
 
     def volume_mm3(self) -> float:
@@ -91,9 +87,7 @@ class InputPulley(MadePart):
         return replace(self, rings=bool(self.dims.grooves))
 
     def sheet(self, part: str) -> Sheet:
-        """Described by ``sheet.py`` beside this module."""
-        from mbcdm_cad.parts.input_pulley.part import input_pulley_sheet, overhung_pulley_sheet
-
+        """Views along and across its axis, and tables of its slots and grooves."""
         plain = self.dims.hub is None and self.dims.horn is None
         return (input_pulley_sheet if plain else overhung_pulley_sheet)(part, self.dims)
 

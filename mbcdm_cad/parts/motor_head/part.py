@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.parts import milled
@@ -20,13 +19,10 @@ from mbcdm_cad.parts.fits import FACE_MM, FITS, REST, SHOULDER_MM, Datum, level,
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM
 from mbcdm_cad.parts.input_pulley.items import add_train
 from mbcdm_cad.parts.motor_head.dims import CouplingBox, HeadDims, dowel_length_mm, flange_screw
-from mbcdm_cad.parts.part import CORNER, pocket_corner_mm
+from mbcdm_cad.parts.part import CORNER, cq, pocket_corner_mm
 from mbcdm_cad.parts.sheet import CuttingLine, Linear, Sheet, Side, View, X, Y, Z, minus, mm
 from mbcdm_cad.parts.sheet_blocks import THROUGH, hole_labels, hole_table, position_table
 from mbcdm_cad.parts.turned import Dowel
-
-if TYPE_CHECKING:
-    import cadquery as cq
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from OCP.BRepAdaptor import BRepAdaptor_Surface
 from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeVertex
@@ -43,12 +43,10 @@ from mbcdm_cad.design.bought import Material
 from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.parts.bill import Item, sorted_items
 from mbcdm_cad.parts.fits import THREAD_CLASS, Vector, limits
+from mbcdm_cad.parts.part import cq
 from mbcdm_cad.parts.sheet import Holes, Linear, Sheet
 from mbcdm_cad.workshop.export.files import canonical_step
 from mbcdm_cad.workshop.kernel import Shape, kernel_shape, location
-
-if TYPE_CHECKING:
-    import cadquery as cq
 
 # The kernel's numbers of the schemas.
 _AP214, _AP242 = 4, 5
@@ -171,8 +169,6 @@ def part_step_ap242(name: str, solid: Shape, material: Material, sheet: Sheet) -
 
     The same part gives the same bytes. Raises ``ValueError`` if a demand names no face of the solid.
     """
-    import cadquery as cq
-
     document = StepDocument()
     part = document.add_part(name, solid, material)
     demands = _Demands(document, part, cq.Shape.cast(kernel_shape(solid)))
@@ -292,8 +288,6 @@ def _diameter(name: str) -> XCAFDimTolObjects_DimensionObject:
 
 
 def _cylinders(faces: list[cq.Face]) -> Iterator[_Cylinder]:
-    import cadquery as cq
-
     for face in faces:
         surface = BRepAdaptor_Surface(face.wrapped)
         if surface.GetType() == GeomAbs_SurfaceType.GeomAbs_Cylinder:
