@@ -12,9 +12,8 @@ from timing import Figure, arguments, finish, least
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.rig.dynamic.rig import LOOP_RATE_HZ, rig_of
 from mbcdm_cad.rig.dynamic.run import run_dynamic
-from mbcdm_cad.rig.dynamic.train import sine
+from mbcdm_cad.rig.dynamic.train import LOOP_RATE_HZ, rig_of, sine
 from mbcdm_cad.rig.experiment import Experiment
 from mbcdm_cad.rig.motion import Load, Motion
 from mbcdm_cad.rig.quasistatic import simulate

@@ -15,9 +15,8 @@ from itertools import pairwise
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.rig.dynamic.rig import DynamicRig, input_turns, rig_of
 from mbcdm_cad.rig.dynamic.run import DynamicRun, run_dynamic
-from mbcdm_cad.rig.dynamic.train import LoadSpec, sine, standstill
+from mbcdm_cad.rig.dynamic.train import DynamicRig, LoadSpec, input_turns, rig_of, sine, standstill
 from mbcdm_cad.routes import Floats
 
 # An input is saturated if its torque, averaged over a fifth of a second, is within 0.2 % of the limit.

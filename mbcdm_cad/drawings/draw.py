@@ -47,7 +47,7 @@ from mbcdm_cad.drawings.titleblock import (
     tables_size_mm,
     wrapped,
 )
-from mbcdm_cad.parts.sheet import POSITION, Sheet, Table
+from mbcdm_cad.parts.sheet import POSITION, Sheet
 
 _POINTS_PER_MM = 72.0 / 25.4
 _LIGHTEST_MM = 0.09
@@ -241,8 +241,11 @@ def draw_sheet(sheet: Sheet, solid: Any, facts: PartFacts, whole: cq.Shape | Non
     """
     shape = cq.Shape.cast(getattr(solid, "wrapped", solid))
     pictures = {view.name: picture(shape, view, whole) for view in sheet.views}
-    limits = fits_table(sheet.fits)
-    tables = (*(_with_positions(table, facts) for table in sheet.tables), *((limits,) if limits else ()))
+    limits, places = fits_table(sheet.fits), f"{facts.position_mm:g}"
+    tables = tuple(
+        replace(table, rows=tuple(tuple(places if cell == POSITION else cell for cell in row) for row in table.rows))
+        for table in sheet.tables
+    ) + ((limits,) if limits else ())
     size = tables_size_mm(tables)
     paper_width = PAPERS[sheet.paper][0]
     beside = paper_width - FRAME_LEFT_MM - FRAME_MM - TITLE_BLOCK[0] - _NOTES_LEFT_OVER_MM
@@ -270,12 +273,6 @@ def draw_sheet(sheet: Sheet, solid: Any, facts: PartFacts, whole: cq.Shape | Non
         "svg": svg_bytes(shapes, width, height),
         "pdf": pdf_bytes(shapes, texts, width, height, f"{facts.design} {sheet.part}"),
     }
-
-
-def _with_positions(table: Table, facts: PartFacts) -> Table:
-    places = f"{facts.position_mm:g}"
-    rows = tuple(tuple(places if cell == POSITION else cell for cell in row) for row in table.rows)
-    return replace(table, rows=rows)
 
 
 def _fields(sheet: Sheet, facts: PartFacts, arrangement: Arrangement) -> TitleFields:

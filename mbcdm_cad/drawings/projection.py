@@ -160,15 +160,6 @@ def _direction(start: Point, end: Point) -> Point:
     return (-ux, -uy) if ux < -1e-9 or (abs(ux) <= 1e-9 and uy < 0) else (ux, uy)
 
 
-def _carrier(stroke: LineStroke) -> tuple[Key, Interval]:
-    """The infinite line of a stroke (direction, offset), and the interval of the stroke along it."""
-    (ax, ay), (bx, by) = stroke.start, stroke.end
-    ux, uy = _direction(stroke.start, stroke.end)
-    offset = ax * -uy + ay * ux
-    along = sorted((ax * ux + ay * uy, bx * ux + by * uy))
-    return (round(ux * 1e5), round(uy * 1e5), round(offset * 1e3)), (along[0], along[1])
-
-
 def cleaned(visible: Iterable[Stroke], hidden: Iterable[Stroke]) -> tuple[list[Stroke], list[Stroke]]:
     """Strokes with duplicates joined, in a fixed order; hidden ones only where no visible one covers them."""
     lines: tuple[dict[Key, list[Interval]], ...] = (defaultdict(list), defaultdict(list))
@@ -179,9 +170,12 @@ def cleaned(visible: Iterable[Stroke], hidden: Iterable[Stroke]) -> tuple[list[S
     for n, strokes in enumerate((visible, hidden)):
         for stroke in strokes:
             if isinstance(stroke, LineStroke):
-                key, span = _carrier(stroke)
+                # The infinite line of the stroke (direction, offset), and the interval of the stroke along it.
+                (ax, ay), (bx, by), (ux, uy) = stroke.start, stroke.end, _direction(stroke.start, stroke.end)
+                key: Key = (round(ux * 1e5), round(uy * 1e5), round((ax * -uy + ay * ux) * 1e3))
                 directions.setdefault(key, (stroke.start, stroke.end))
-                lines[n][key].append(span)
+                low, high = sorted((ax * ux + ay * uy, bx * ux + by * uy))
+                lines[n][key].append((low, high))
             elif isinstance(stroke, ArcStroke):
                 key = (round(stroke.centre[0] * 1e3), round(stroke.centre[1] * 1e3), round(stroke.radius * 1e3))
                 exact.setdefault(key, (stroke.centre, stroke.radius))

@@ -328,11 +328,8 @@ class Engine:
             n_offsprings=POOL * population,
             eliminate_duplicates=unlike,
         )
-        self._surrogate, self._scouts, self._population = (
-            Surrogate(variables, aims),
-            Scouts(variables, seed),
-            population,
-        )
+        self._surrogate, self._scouts = Surrogate(variables, aims), Scouts(variables, seed)
+        self._population = population
         self._algorithm.setup(problem, termination=NoTermination(), seed=seed, verbose=False)
         self._asked: Any = None
 
@@ -344,7 +341,10 @@ class Engine:
         if self._asked is None:
             return []
         proposed = [_plain(one.X) for one in self._asked]
-        scouts = self._scouted()
+        known, scouts = self._algorithm.pop, list[Values]()
+        if known is not None and len(known):
+            good = [_plain(one.X) for one in known if one.G[0] <= 0.0] or [_plain(one.X) for one in known]
+            scouts = self._scouts.proposed(round(SCOUTS * self._population), good, self._surrogate)
         unscreened = min(len(proposed), round(UNSCREENED * self._population) - len(scouts))
         screened = self._population - unscreened - len(scouts)
         best = self._surrogate.preselected(proposed[unscreened:], screened)
@@ -353,14 +353,6 @@ class Engine:
         also[:] = scouts
         self._asked = Population.merge(self._asked[chosen], Population.new("X", also))
         return [*(proposed[k] for k in chosen), *scouts]
-
-    def _scouted(self) -> list[Values]:
-        """The scouts of the next generation; none before anything is known."""
-        known = self._algorithm.pop
-        if known is None or not len(known):
-            return []
-        good = [_plain(one.X) for one in known if one.G[0] <= 0.0] or [_plain(one.X) for one in known]
-        return self._scouts.proposed(round(SCOUTS * self._population), good, self._surrogate)
 
     def tell(self, aims: Floats, violation: Floats) -> None:
         """Results of all points of the last :meth:`ask`: aims (n, k), of which less is better; violation (n,).

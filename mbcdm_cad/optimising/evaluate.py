@@ -39,13 +39,12 @@ BY_ELEMENTS = stiff_sizing.BY_ELEMENTS | {"swing_mrad", "stiffness_Nm_rad", "str
 
 
 class Facts:
-    """What the figures of one design follow from, each computed on first use. ``checks``: those of its layout."""
+    """What the figures of one design follow from, each computed on first use. ``data``: the content of its file."""
 
-    def __init__(self, drive: Drive, checks: Mapping[str, Check], data: Mapping[str, Any]) -> None:
-        self.drive = drive
+    def __init__(self, drive: Drive, data: Mapping[str, Any]) -> None:
+        self.drive, self.data = drive, data
         self.layout = layout_of(drive)
-        self.checks = checks
-        self.data = data
+        self.checks: Mapping[str, Check] = {check.id: check for check in checks_of(drive)}
         # Why a figure that was asked for does not exist, by its name.
         self.reasons: dict[str, str] = {}
 
@@ -374,9 +373,7 @@ def _short(keep: Keep, value: float) -> float:
 
 def facts_of(found: Resolved) -> Facts:
     """What the figures of a design follow from."""
-    drive = found.drive
-    checks: dict[str, Check] = {check.id: check for check in checks_of(drive)}
-    return Facts(drive, checks, found.sizing.data if found.sizing is not None else found.design.model_dump())
+    return Facts(found.drive, found.sizing.data if found.sizing is not None else found.design.model_dump())
 
 
 def _figures(facts: Facts, data: Mapping[str, Any], names: Sequence[str], keeps: Sequence[Keep]) -> Evaluated:

@@ -290,7 +290,7 @@ def optimum_of(
 
 
 def _beside(loaded: LoadedDesign, wishes: Wishes) -> BesideDesign:
-    facts = Facts(loaded.drive, {check.id: check for check in checks_of(loaded.drive)}, loaded.design.model_dump())
+    facts = Facts(loaded.drive, loaded.design.model_dump())
     names = dict.fromkeys([*FIGURES, *(a.figure for a in wishes.aims), *(k.figure for k in wishes.keeps)])
     figures = {name: figure(facts, name) for name in names}
     return BesideDesign(
@@ -327,7 +327,9 @@ _PACKAGE = ("mbcdm_cad.optimising", "assets")
 
 def optimum_page(found: Optimum) -> bytes:
     """The page as UTF-8; needs no other file. Raises nothing for a search without a passing design."""
-    names = [name for name in dict.fromkeys([*found.shown, *FIGURES]) if _varies(found, name)]
+    values = {n: {one.figures.get(n) for one in found.points} for n in dict.fromkeys([*found.shown, *FIGURES])}
+    least = 1 if len(found.points) == 1 else 2
+    names = [n for n, own in values.items() if n in found.shown or (len(own) >= least and own != {None})]
     data = {
         "aims": [{"figure": aim.figure, "sense": aim.sense} for aim in found.wishes.aims],
         "names": names,
@@ -355,11 +357,6 @@ def _marked(found: Optimum) -> list[dict[str, Any]]:
         }
         for one in found.beside
     ]
-
-
-def _varies(found: Optimum, name: str) -> bool:
-    values = {point.figures.get(name) for point in found.points}
-    return name in found.shown or len(values) > 1 or (len(found.points) == 1 and values != {None})
 
 
 def _point(point: FrontPoint) -> dict[str, Any]:

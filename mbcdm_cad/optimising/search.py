@@ -222,7 +222,6 @@ class FrontSearch:
     def run(self, effort: Effort) -> Searched:
         """FrontSearch until the front no longer grows, a limit is reached, or the keyboard interrupts."""
         end = np.inf if effort.time_s is None else time.monotonic() + effort.time_s
-        most = effort.evaluations
         names = [aim.figure for aim in self.wishes.aims]
         engines = [Engine(v, len(names), SEED + k) for k, v in enumerate(self.variables)]
 
@@ -231,15 +230,15 @@ class FrontSearch:
         try:
             with crew(work, effort.workers, effort.scheduler) as workers:
                 while not stopped:
-                    stopped = self._round(engines, workers, end, most) or self._ended(effort.growth)
+                    stopped = self._round(engines, workers, end, effort)
         except KeyboardInterrupt:
             stopped = INTERRUPTED
         self.journal.keep()
         return self._searched(stopped)
 
-    def _round(self, engines: Sequence[Engine], workers: Crew, end: float, most: int | None) -> str:
+    def _round(self, engines: Sequence[Engine], workers: Crew, end: float, effort: Effort) -> str:
         """One generation of every question; why the search ends here, empty if it goes on."""
-        proposed = 0
+        proposed, most = 0, effort.evaluations
         for k, engine in enumerate(engines):
             asked = engine.ask()
             proposed += len(asked)
@@ -255,8 +254,14 @@ class FrontSearch:
         self._fronts.append((len(self.tried), self._front()))
         if not proposed:
             return "every combination of the free values has been tried"
-        self._grown = self._growth()
-        return ""
+        # Share by which the hypervolume grew in the last rounds; None while there are fewer, or was no front.
+        if len(self._fronts) > ROUNDS and self._fronts[-1 - ROUNDS][1]:
+            before, now = (volume for _, volume in self._curve((self._fronts[-1 - ROUNDS], self._fronts[-1])))
+            self._grown = (now - before) / now
+        if self._grown is None or self._grown >= effort.growth:
+            return ""
+        grown = f"the front's hypervolume grew by {self._grown:.2%} in the last {ROUNDS} generations"
+        return f"{grown} (limit {100.0 * effort.growth:.3g}%)"
 
     def _results(self, k: int, asked: Sequence[Values], workers: Crew, end: float) -> list[Evaluated]:
         """The results of points of question ``k`` in order; fewer of them once the time is over."""
@@ -307,19 +312,6 @@ class FrontSearch:
             return []
         points = np.array([_aims(self.wishes, self.tried[n].result) for n in rows])
         return [rows[k] for k in front_of(points)]
-
-    def _growth(self) -> float | None:
-        """Share by which the hypervolume grew in the last rounds; None while there are fewer, or was no front."""
-        if len(self._fronts) <= ROUNDS or not self._fronts[-1 - ROUNDS][1]:
-            return None
-        before, now = (volume for _, volume in self._curve((self._fronts[-1 - ROUNDS], self._fronts[-1])))
-        return (now - before) / now
-
-    def _ended(self, least: float) -> str:
-        if self._grown is None or self._grown >= least:
-            return ""
-        grown = f"the front's hypervolume grew by {self._grown:.2%} in the last {ROUNDS} generations"
-        return f"{grown} (limit {100.0 * least:.3g}%)"
 
     def _curve(self, fronts: Sequence[tuple[int, list[int]]]) -> list[tuple[int, float]]:
         """Hypervolumes against the reference of all points on these fronts."""

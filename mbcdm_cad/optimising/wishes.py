@@ -17,7 +17,7 @@ import numpy as np
 
 from mbcdm_cad.design.sized import LIGHTEST
 from mbcdm_cad.errors import InputError, MbcdmError
-from mbcdm_cad.solving.question import Fixed, Point, Question, Setting, Times
+from mbcdm_cad.solving.question import Fixed, Point, Question, Setting, Times, round_to
 from mbcdm_cad.solving.trials import choices, setting_of
 
 SENSES = ("min", "max")
@@ -88,14 +88,19 @@ def wishes_of(
     Such as ``mass_g:min``, ``torque_Nm:>=3``, ``drum.material=pa12,pla`` or ``rope.preload_N=30..90``. Raises
     ``MbcdmError`` for a text that is none, for no aim, more than four, or one figure twice.
     """
-    found = tuple(_aim(text) for text in aims)
+    found = []
+    for text in aims:
+        figure, _, sense = text.partition(":")
+        if sense not in SENSES or not figure:
+            raise MbcdmError(f"--aim: not an aim (value {text}, limit FIGURE:min or FIGURE:max); write mass_g:min, say")
+        found.append(Aim(figure, sense))
     if not 1 <= len(found) <= MOST_AIMS:
         raise MbcdmError(f"--aim: {len(found)} given (limit 1 to {MOST_AIMS}); for example --aim mass_g:min")
     names = [aim.figure for aim in found]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
         raise MbcdmError(f"--aim: {twice} is given twice; give each figure one aim")
-    return Wishes(found, tuple(_keep(text) for text in keeps), tuple(_freed(text) for text in free), only_free)
+    return Wishes(tuple(found), tuple(_keep(text) for text in keeps), tuple(_freed(text) for text in free), only_free)
 
 
 def over_tolerances(wishes: Sequence[str]) -> tuple[str, ...]:
@@ -129,13 +134,6 @@ def _value(text: str) -> Any:
     with suppress(yaml.YAMLError, ValueError):
         return yaml.safe_load(text)
     return None
-
-
-def _aim(text: str) -> Aim:
-    figure, _, sense = text.partition(":")
-    if sense not in SENSES or not figure:
-        raise MbcdmError(f"--aim: not an aim (value {text}, limit FIGURE:min or FIGURE:max); write mass_g:min, say")
-    return Aim(figure, sense)
 
 
 def _keep(text: str) -> Keep:
@@ -203,14 +201,14 @@ class Variable:
         u = float(value)
         if self.ruled:
             moved = max(abs(u) - STILL, 0.0) / (1.0 - STILL)
-            factor = float(f"{exp(moved * log(self.high if u > 0.0 else self.low)):.4g}")
+            factor = round_to(exp(moved * log(self.high if u > 0.0 else self.low)))
             return None if factor == 1.0 else Times(factor)
         u = 0.0 if u < SNAP else 1.0 if u > 1.0 - SNAP else u
         if self.logarithmic:
             found = exp(log(self.low) + u * (log(self.high) - log(self.low)))
         else:
             found = self.low + u * (self.high - self.low)
-        return Fixed(min(max(float(f"{found:.4g}"), self.low), self.high))
+        return Fixed(min(max(round_to(found), self.low), self.high))
 
     @property
     def start(self) -> Any:
@@ -231,8 +229,12 @@ def variables_of(question: Question, wishes: Wishes) -> tuple[Variable, ...]:
 
     Raises ``MbcdmError`` for a field that the layout does not have, and if nothing is free.
     """
-    own = {freed.field: _of_freed(question, freed) for freed in wishes.free}
-    found = dict(own)
+    found = dict[str, Variable]()
+    for freed in wishes.free:
+        name, of = freed.field, question.data["configuration"]
+        if question.file.node_at(tuple(name.split("."))) is None:
+            raise MbcdmError(f"--free: {name}: {of} has no such field; see mbcdm schema")
+        found[name] = Variable(name, freed.values) if freed.values else _between(name, freed.low, freed.high)
     for name, span in question.ranges.items():
         if name not in found:
             found[name] = _between(name, span.low, span.high)
@@ -271,15 +273,6 @@ def _open_ratio(question: Question) -> Iterator[Variable]:
         for value in question.resolve(*question.trial({})).sized:
             if value.driver == LIGHTEST:
                 yield _between(value.field, value.value / AROUND, value.value * AROUND)
-
-
-def _of_freed(question: Question, freed: Freed) -> Variable:
-    node = question.file.node_at(tuple(freed.field.split(".")))
-    if node is None:
-        raise MbcdmError(f"--free: {freed.field}: {question.data['configuration']} has no such field; see mbcdm schema")
-    if freed.values:
-        return Variable(freed.field, freed.values)
-    return _between(freed.field, freed.low, freed.high)
 
 
 def _between(field: str, low: float, high: float) -> Variable:

@@ -12,7 +12,7 @@ from typing import Any
 from mbcdm_cad.design.describe import flow
 from mbcdm_cad.design.loader import LoadedDesign
 from mbcdm_cad.design.sized import SizedValue, SizingError
-from mbcdm_cad.design.yamltree import leaves, value_at
+from mbcdm_cad.design.yamltree import leaves, take_out, value_at
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.layouts.loader import design_file
 from mbcdm_cad.report.table import TextReport, filled
@@ -107,11 +107,7 @@ def _without(loaded: LoadedDesign, data: dict[str, Any], field: str) -> SizedVal
     if sizing is None:
         return None
     freed = copy.deepcopy(data)
-    *blocks, last = field.split(".")
-    at = freed
-    for block in blocks:
-        at = at[block]
-    del at[last]
+    take_out(freed, field)
     try:
         return sizing.size(freed, {}, None).of(field)
     except SizingError:

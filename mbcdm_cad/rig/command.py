@@ -34,20 +34,14 @@ def simulate_command(drive: Drive, experiment: Experiment | DynamicExperiment, o
     error = transmission_error_urad(run, turns)
     named = ", ".join(str(entry["name"]) for entry in run.truth) or "nothing"
     ended = "" if run.time_s[-1] > 0.98 * experiment.duration_s else f", lost the drum at {run.time_s[-1]:.2f} s"
+    most, made_for = float(np.abs(run.load_Nm).max()), drive.loads.peak_torque_Nm
+    over = f"\nnote: the load reaches {most:.3g} N m, the design is made for loads.peak_torque_Nm: {made_for:.3g}"
     return (
         f"{folder / (experiment.name + '.yaml')}: {run.time_s.size} samples{ended}\n"
         f"transmission error {error.min():.1f} to {error.max():.1f} urad, "
         f"tensions {run.tension_N.min():.2f} to {run.tension_N.max():.2f} N\n"
-        f"beyond the declared model (in the truth file): {named}{_overload(drive, run)}"
+        f"beyond the declared model (in the truth file): {named}{over if most > 1.001 * made_for else ''}"
     )
-
-
-def _overload(drive: Drive, run: SimulatedRun) -> str:
-    """A line that says so if the load is more than the drive is made for."""
-    most, made_for = float(np.abs(run.load_Nm).max()), drive.loads.peak_torque_Nm
-    if most <= 1.001 * made_for:
-        return ""
-    return f"\nnote: the load reaches {most:.3g} N m, the design is made for loads.peak_torque_Nm: {made_for:.3g}"
 
 
 def transmission_error_urad(run: SimulatedRun, turns: list[float]) -> Floats:

@@ -209,6 +209,17 @@ _BOUNDS = {
     "expected": "one of",
     "expected_tags": "one of",
 }
+_FIELDS = ("not possible", "give its fields, indented below it")
+_WORDS = {
+    "missing": ("missing", "add it"),
+    "extra_forbidden": ("unknown field", "check its spelling"),
+    "union_tag_invalid": ("unknown effect", "choose one of them"),
+    "union_tag_not_found": ("an effect without its name", "add 'effect: NAME'"),
+    "tuple_type": ("not possible", "write a list, such as [1.0, 2.0]"),
+    "model_type": _FIELDS,
+    "model_attributes_type": _FIELDS,
+    "dict_type": _FIELDS,
+}
 
 
 def read_experiment(path: str | Path) -> Experiment | DynamicExperiment:
@@ -263,31 +274,12 @@ def _problem(item: Any, tree: yamltree.Tree, file: str) -> Problem:
     # Pydantic adds the branch of a union to the path; the file does not contain it.
     where = tuple(part for k, part in enumerate(item["loc"]) if not (k == 2 and item["loc"][0] == "effects"))
     limit = ", ".join(f"{word} {context[key]}" for key, word in _BOUNDS.items() if key in context)
-    what = {
-        "missing": "missing",
-        "extra_forbidden": "unknown field",
-        "union_tag_invalid": "unknown effect",
-        "union_tag_not_found": "an effect without its name",
-    }.get(item["type"], "not possible")
-    remedy = {
-        "missing": "add it",
-        "extra_forbidden": "check its spelling",
-        "union_tag_invalid": "choose one of them",
-        "union_tag_not_found": "add 'effect: NAME'",
-    }.get(item["type"], _remedy(item))
+    # Of the others, pydantic's sentence in the words of a YAML file.
+    said = item["msg"][0].lower() + item["msg"][1:]
+    what, remedy = _WORDS.get(item["type"], ("not possible", said))
     shown = item["input"].get("effect") if item["type"] == "union_tag_invalid" else item["input"]
     value = "" if item["type"] == "missing" else shortened(shown)
     return Problem(file, tree.line_of(where), dotted(where), what, value, limit, remedy)
-
-
-def _remedy(item: Any) -> str:
-    """Pydantic's sentence in the words of a YAML file."""
-    kind, words = str(item["type"]), str(item["msg"])
-    if kind == "tuple_type":
-        return "write a list, such as [1.0, 2.0]"
-    if kind in ("model_type", "model_attributes_type", "dict_type"):
-        return "give its fields, indented below it"
-    return words[0].lower() + words[1:]
 
 
 class RigError(MbcdmError):

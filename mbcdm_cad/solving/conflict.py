@@ -14,7 +14,7 @@ from typing import Any
 
 from mbcdm_cad.design.yamltree import leaves
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.solving.question import ASIDE, Fixed, Out, Point, Question
+from mbcdm_cad.solving.question import ASIDE, Fixed, Out, Point, Question, round_to
 from mbcdm_cad.solving.repair import repair, stuck
 from mbcdm_cad.solving.trials import SpentError, TrialResult, Trials, messages
 
@@ -73,7 +73,9 @@ def conflict(trials: Trials, miss: Point) -> Conflict:
             before = trials.count
             found: list[Give | Miss | None] = []
             enough: list[Give] = []
-            left = _requirements_in_order(trials, miss)
+            # Those first whose limit a failing check has: its source names them.
+            sources = " ".join(trials.checks[name].source for name, _ in trials(miss).failing if name in trials.checks)
+            left = sorted(_requirements(trials.question), key=lambda name: name not in sources)
             with suppress(SpentError):
                 while left and spent + trials.count - before < (ENOUGH_KNOWN if enough else MOST):
                     found.append(_given_way(trials, left[0], miss, fixed))
@@ -95,12 +97,6 @@ def conflict(trials: Trials, miss: Point) -> Conflict:
             trials = _on(trials, name, value)
             miss = {field: setting for field, setting in miss.items() if field != name}
     return Conflict((), (), tuple(first), nearest, proved=False, not_tried=tuple(left))
-
-
-def _requirements_in_order(trials: Trials, miss: Point) -> list[str]:
-    """Those first whose limit a failing check has: its source names them."""
-    sources = [trials.checks[name].source for name, _ in trials(miss).failing if name in trials.checks]
-    return sorted(_requirements(trials.question), key=lambda name: not any(name in source for source in sources))
 
 
 def _size(way: Give) -> tuple[float, str]:
@@ -254,8 +250,3 @@ def _rest_is_idle(trials: Trials, exclude: tuple[str, ...], miss: Point) -> bool
         return not trials(repair(trials, start, TRIALS * 2)).passes
     except SpentError:
         return False
-
-
-def round_to(value: float) -> float:
-    """Four significant digits."""
-    return float(f"{value:.4g}")

@@ -53,6 +53,11 @@ Setting = Times | Fixed | Out
 Point = Mapping[str, Setting]
 
 
+def round_to(value: float) -> float:
+    """Four significant digits."""
+    return float(f"{value:.4g}")
+
+
 @dataclass(frozen=True)
 class Question:
     """One design file and the changes that a search may make to it.
@@ -77,13 +82,13 @@ class Question:
         named = {freedom.field: freedom for freedom in self.file.freedoms()}
         derived = [field for field in self.file.derived() if field not in named]
         found = {**named, **{field: Freedom(field, DERIVED_LOW, DERIVED_HIGH) for field in derived}}
-        return {field: freedom for field, freedom in found.items() if self._has_block_of(field)}
-
-    def _has_block_of(self, field: str) -> bool:
-        """Whether the drive has the part that a field's block describes: idlers and stages are there only if stated."""
-        block = field.split(".")[0]
-        default = self.file.schema.model_fields[block].default
-        return default is not None or block in self.data
+        # Idlers and stages, which the blocks of their fields describe, are there only if stated.
+        blocks = self.file.schema.model_fields
+        return {
+            field: freedom
+            for field, freedom in found.items()
+            if (block := field.split(".")[0]) in self.data or blocks[block].default is not None
+        }
 
     @cached_property
     def unruled(self) -> frozenset[str]:
@@ -104,19 +109,15 @@ class Question:
         """The middle of a range; the geometric mean of its ends if their ratio is above four."""
         found = self.ranges[field]
         if found.low > 0.0 and found.high > 4.0 * found.low:
-            return float(f"{(found.low * found.high) ** 0.5:.4g}")
-        return float(f"{0.5 * (found.low + found.high):.4g}")
+            return round_to((found.low * found.high) ** 0.5)
+        return round_to(0.5 * (found.low + found.high))
 
     def open_fields(self, point: Point) -> Iterator[Freedom]:
         """The freedoms whose field the file leaves out at this point, or gives as a range that has a rule."""
         for field, freedom in self.freedoms.items():
-            stated = value_at(self.data, field) is not None
-            if not stated or isinstance(point.get(field), Out) or self._below_out(field, point):
+            around = [field, *(field[:k] for k, sign in enumerate(field) if sign == ".")]
+            if value_at(self.data, field) is None or any(isinstance(point.get(name), Out) for name in around):
                 yield freedom
-
-    def _below_out(self, field: str, point: Point) -> bool:
-        parts = field.split(".")
-        return any(isinstance(point.get(".".join(parts[:k])), Out) for k in range(1, len(parts)))
 
     def trial(self, point: Point, *, open_ranges: bool = False) -> tuple[dict[str, Any], dict[str, Any]]:
         """(data, functions that change the values of rules, by field) of a point.

@@ -6,7 +6,7 @@ from itertools import chain, pairwise
 from mbcdm_cad.design.sized import Freedom
 from mbcdm_cad.design.yamltree import value_at
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.solving.question import Fixed, Out, Point, Setting, Times
+from mbcdm_cad.solving.question import Fixed, Out, Point, Setting, Times, round_to
 from mbcdm_cad.solving.trials import (
     NO_FIGURE,
     SLOW,
@@ -176,7 +176,7 @@ class _Moves:
         for step in steps:
             for sense in senses:
                 moved = min(max(factor * (1.0 + step) ** sense, freedom.low), freedom.high)
-                yield freedom.field, Times(float(f"{moved:.4g}"))
+                yield freedom.field, Times(round_to(moved))
 
     def _sized(self, freedom: Freedom, sizes: Sequence[int]) -> Iterator[tuple[str, Setting]]:
         """A choice moved by some places in the order of sizes; of words, the first holds if no rule gave one.
@@ -229,7 +229,7 @@ class _Moves:
         found, setting = self.question.ranges[field], self.point.get(field)
         now = float(setting.value) if isinstance(setting, Fixed) else self.question.middle(field)
         for step in RANGE_STEPS:
-            value = float(f"{now + sense * step * (found.high - found.low):.4g}")
+            value = round_to(now + sense * step * (found.high - found.low))
             yield field, setting_of(found.within(value))
 
     def _free(self) -> Iterator[tuple[str, Setting]]:
@@ -309,7 +309,7 @@ def _halved(trials: Trials, point: Point, field: str) -> Point:
         return point
     passing, failing, best = float(setting.value), float(home), point
     for _ in range(BISECTIONS):
-        middle = float(f"{0.5 * (passing + failing):.4g}")
+        middle = round_to(0.5 * (passing + failing))
         trial = {**point, field: Fixed(middle)}
         if middle in (passing, failing):
             break
@@ -383,4 +383,4 @@ def _number(point: Point, field: str) -> float:
 def _between(near: float, far: float, share: float) -> float:
     """Value at this share of the interval between two values; on a logarithmic scale if both are positive."""
     by_ratio = near > 0.0 and far > 0.0
-    return float(f"{near * (far / near) ** share if by_ratio else near + share * (far - near):.4g}")
+    return round_to(near * (far / near) ** share if by_ratio else near + share * (far - near))

@@ -11,7 +11,7 @@ from mbcdm_cad.design.sized import Freedom
 from mbcdm_cad.design.yamltree import leaves
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.solving.conflict import Conflict, conflict
-from mbcdm_cad.solving.question import ASKED, CHOICE, PIN, WISH, Fixed, Out, Point, Question, Setting, Times
+from mbcdm_cad.solving.question import ASKED, CHOICE, PIN, WISH, Fixed, Out, Point, Question, Setting, Times, round_to
 from mbcdm_cad.solving.repair import creeps, repair, stuck, taken_back, towards_aims, written_out
 from mbcdm_cad.solving.trials import SpentError, Trials, choices, cost, outcome, setting_of
 
@@ -111,7 +111,7 @@ def _starts(question: Question) -> Iterator[Point]:
                 share = (k + 0.5) / GRID
                 spread = found.low * (found.high / found.low) ** share if found.low > 0.0 else None
                 value = spread if spread is not None else found.low + share * (found.high - found.low)
-                yield {name: setting_of(found.within(float(f"{value:.4g}")))}
+                yield {name: setting_of(found.within(round_to(value)))}
 
 
 def _nearest(trials: Trials, point: Point) -> Point:
@@ -222,11 +222,11 @@ def _variable(trials: Trials, freedom: Freedom) -> Variable:
         if names:
             return Fixed(names[min(int(share * len(names)), len(names) - 1)])
         low, high = log(freedom.low), log(freedom.high)
-        return Times(float(f"{exp(low + share * (high - low)):.4g}"))
+        return Times(round_to(exp(low + share * (high - low))))
 
     return freedom.field, setting
 
 
 def _along_range(trials: Trials, field: str) -> Variable:
     found = trials.question.ranges[field]
-    return field, lambda u: setting_of(found.within(float(f"{found.low + u * (found.high - found.low):.4g}")))
+    return field, lambda u: setting_of(found.within(round_to(found.low + u * (found.high - found.low))))

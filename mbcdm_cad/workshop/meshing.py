@@ -55,7 +55,9 @@ def face_deviation(
         return 0.0
     places = np.einsum("sk,mkj->smj", _SAMPLES, points[triangles]).reshape(-1, 3)
     if kind in _CLOSED_FORMS:
-        return float(np.abs(_CLOSED_FORMS[kind](surface, places)).max())
+        of, distances = _CLOSED_FORMS[kind]
+        own = of(surface)
+        return float(np.abs(distances(own, *_local(own.Position(), places))).max())
     start = np.einsum("sk,mkj->smj", _SAMPLES, parameters()[triangles]).reshape(-1, 2)
     step = -(-len(places) // _MOST_PROJECTIONS)
     return float(_distances_to_surface(surface, places[::step], start[::step]).max())
@@ -82,40 +84,27 @@ def _local(frame: gp_Ax3, places: FloatArray) -> FloatArray:
     return local
 
 
-def _to_cylinder(surface: BRepAdaptor_Surface, places: FloatArray) -> FloatArray:
-    cylinder = surface.Cylinder()
-    x, y, _ = _local(cylinder.Position(), places)
-    distance: FloatArray = np.hypot(x, y) - float(cylinder.Radius())
-    return distance
-
-
-def _to_cone(surface: BRepAdaptor_Surface, places: FloatArray) -> FloatArray:
-    cone = surface.Cone()
-    x, y, z = _local(cone.Position(), places)
-    angle = cone.SemiAngle()
-    # The radius is positive on both sides of the apex.
-    distance: FloatArray = (np.hypot(x, y) - np.abs(cone.RefRadius() + z * np.tan(angle))) * np.cos(angle)
-    return distance
-
-
-def _to_sphere(surface: BRepAdaptor_Surface, places: FloatArray) -> FloatArray:
-    sphere = surface.Sphere()
-    distance: FloatArray = np.linalg.norm(_local(sphere.Position(), places), axis=0) - sphere.Radius()
-    return distance
-
-
-def _to_torus(surface: BRepAdaptor_Surface, places: FloatArray) -> FloatArray:
-    torus = surface.Torus()
-    x, y, z = _local(torus.Position(), places)
-    distance: FloatArray = np.hypot(np.hypot(x, y) - torus.MajorRadius(), z) - float(torus.MinorRadius())
-    return distance
-
-
-_CLOSED_FORMS = {
-    GeomAbs_SurfaceType.GeomAbs_Cylinder: _to_cylinder,
-    GeomAbs_SurfaceType.GeomAbs_Cone: _to_cone,
-    GeomAbs_SurfaceType.GeomAbs_Sphere: _to_sphere,
-    GeomAbs_SurfaceType.GeomAbs_Torus: _to_torus,
+# Surfaces with a closed form: the surface itself, and its signed distance from places in its frame. The radius of a
+# cone is positive on both sides of the apex.
+_CLOSED_FORMS: dict[GeomAbs_SurfaceType, tuple[Callable[[BRepAdaptor_Surface], Any], Callable[..., FloatArray]]] = {
+    GeomAbs_SurfaceType.GeomAbs_Cylinder: (
+        BRepAdaptor_Surface.Cylinder,
+        lambda own, x, y, _: np.hypot(x, y) - own.Radius(),
+    ),
+    GeomAbs_SurfaceType.GeomAbs_Cone: (
+        BRepAdaptor_Surface.Cone,
+        lambda own, x, y, z: (
+            (np.hypot(x, y) - np.abs(own.RefRadius() + z * np.tan(own.SemiAngle()))) * np.cos(own.SemiAngle())
+        ),
+    ),
+    GeomAbs_SurfaceType.GeomAbs_Sphere: (
+        BRepAdaptor_Surface.Sphere,
+        lambda own, *local: np.linalg.norm(local, axis=0) - own.Radius(),
+    ),
+    GeomAbs_SurfaceType.GeomAbs_Torus: (
+        BRepAdaptor_Surface.Torus,
+        lambda own, x, y, z: np.hypot(np.hypot(x, y) - own.MajorRadius(), z) - own.MinorRadius(),
+    ),
 }
 
 

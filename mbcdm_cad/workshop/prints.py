@@ -19,7 +19,7 @@ from mbcdm_cad.parts.milled import one_solid
 from mbcdm_cad.parts.part import cq
 from mbcdm_cad.storage.cache import Cache, content_key
 from mbcdm_cad.workshop.export.files import lying, threemf_bytes
-from mbcdm_cad.workshop.store import Progress, Store, StoredPart, drawn, exported_parts
+from mbcdm_cad.workshop.store import Progress, Store, drawn, exported_parts
 from mbcdm_cad.workshop.trianglemesh import FloatArray, TriangleMesh, faces
 
 if TYPE_CHECKING:
@@ -140,20 +140,17 @@ def prints_of(
         blobs = cache.get(key)
         if blobs is None:
             progress(f"3MF of {name}")
-            blobs = {"3mf": _threemf(name, files[name], wider, drive.export.mesh_tolerance_mm)}
+            mesh, note = files[name].files.mesh, ""
+            if wider:
+                from mbcdm_cad.workshop.meshing import mesh_solid
+
+                solid = with_wider_holes(name, files[name].solid(), wider)
+                mesh = mesh_solid(name, solid, drive.export.mesh_tolerance_mm)
+                note = f"round holes {wider:g} mm wider than drawn, on the diameter"
+            blobs = {"3mf": threemf_bytes(name, mesh, note)}
             cache.put(key, blobs)
         found[f"{name}.3mf"] = blobs["3mf"]
     return found
-
-
-def _threemf(name: str, part: StoredPart, wider_mm: float, mesh_tolerance_mm: float) -> bytes:
-    if not wider_mm:
-        return threemf_bytes(name, part.files.mesh)
-    from mbcdm_cad.workshop.meshing import mesh_solid
-
-    solid = with_wider_holes(name, part.solid(), wider_mm)
-    note = f"round holes {wider_mm:g} mm wider than drawn, on the diameter"
-    return threemf_bytes(name, mesh_solid(name, solid, mesh_tolerance_mm), note)
 
 
 # A bore counts as a hole if at least this share of its wall exists: slits and crossing holes may remove the rest.

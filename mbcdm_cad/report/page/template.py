@@ -111,15 +111,13 @@ def cable_rows(report: Mapping[str, Any]) -> dict[str, Any]:
     rows = []
     for path in paths:
         own = model[path["name"]]
-        cells = [_range(path[field], digits) for field, _, digits in columns]
-        rows.append((path["name"], [f"{own['preload_N']:g}", f"{own['total_ratio']:.6g}", *cells]))
+        cells = [f"{own['preload_N']:g}", f"{own['total_ratio']:.6g}"]
+        for field, _, digits in columns:
+            value = path[field] if isinstance(path[field], list) else [path[field]]
+            ends = (f"{end:.{digits}f}".replace("-", "−") for end in (min(value), max(value)))
+            cells.append(" to ".join(dict.fromkeys(ends)))
+        rows.append((path["name"], cells))
     return {"head": ["preload N", "total ratio", *(heading for _, heading, _ in columns)], "rows": rows}
-
-
-def _range(value: Any, digits: int) -> str:
-    ends = (min(value), max(value)) if isinstance(value, list) else (value, value)
-    low, high = (f"{end:.{digits}f}".replace("-", "−") for end in ends)
-    return low if low == high else f"{low} to {high}"
 
 
 def travel_limits(report: Mapping[str, Any]) -> list[tuple[str, Sequence[Mapping[str, Any]]]]:

@@ -16,47 +16,12 @@ from mbcdm_cad.rig.chain import Chains, chains
 from mbcdm_cad.rig.dynamic import plant as columns
 from mbcdm_cad.rig.dynamic import train
 from mbcdm_cad.rig.dynamic.plant import Plant, State, Torques, advance, drum_friction, payload_at, stored
-from mbcdm_cad.rig.dynamic.rig import DynamicRig, EncoderSpec, inertias, input_turns
-from mbcdm_cad.rig.dynamic.train import control
+from mbcdm_cad.rig.dynamic.train import DynamicRig, EncoderSpec, control, inertias, input_turns
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
 
 # Half the step of the difference quotient for an extra path's slope, rad.
 SLOPE_RAD = 1e-5
-
-
-def input_of(rig: DynamicRig) -> NDArray[np.int64]:
-    """For each cable the number of its input."""
-    return np.array([c.input_index for c in rig.cables], dtype=np.int64)
-
-
-def load_row(rig: DynamicRig) -> Floats:
-    """The load's constants, in the order of :mod:`mbcdm_cad.rig.dynamic.run`."""
-    load = rig.load
-    return np.array(
-        [load.inertia_kg_m2, load.static_ratio, load.static_speed_rad_s, load.unbalance_Nm, load.unbalance_angle_rad]
-    )
-
-
-def current_share(rig: DynamicRig) -> Floats:
-    """Share of its error that each current loop removes in a step."""
-    return np.array([1.0 - exp(-2.0 * pi * motor.current_bandwidth_Hz * rig.step_s) for motor in rig.motors])
-
-
-def loop_gains(rig: DynamicRig) -> Floats:
-    """A row of gains for each input."""
-    return np.array([loop.gains() for loop in rig.loops])
-
-
-def turns(rig: DynamicRig) -> Floats:
-    """Turns of each input for one of the drum."""
-    return np.array(input_turns(rig.drive))
-
-
-def encoder_table(rig: DynamicRig) -> Floats:
-    """Resolution and noise in rad, delay in periods of the loops."""
-    rate = rig.loops[0].rate_Hz
-    return np.array([[e.resolution_rad, e.noise_rad, round(e.delay_s * rate)] for e in rig.encoders])
 
 
 def input_table(rig: DynamicRig) -> Floats:
@@ -120,7 +85,7 @@ def path_table(rig: DynamicRig, reference: Floats) -> Floats:
     if not rig.paths:
         return table
     drum = reference[:, 0]
-    inputs = turns(rig)[:, None] * drum
+    inputs = np.array(input_turns(rig.drive))[:, None] * drum
     for of in rig.paths:
         table[:, :, 0] += of(inputs, drum).T
         table[:, :, 1] += (of(inputs, drum + SLOPE_RAD) - of(inputs, drum - SLOPE_RAD)).T / (2.0 * SLOPE_RAD)
@@ -131,7 +96,8 @@ def path_table(rig: DynamicRig, reference: Floats) -> Floats:
 
 def plant_tables(rig: DynamicRig) -> Plant:
     """All tables of the plant."""
-    return Plant(input_table(rig), cable_table(rig), input_of(rig), drum_row(rig))
+    input_of = np.array([c.input_index for c in rig.cables], dtype=np.int64)
+    return Plant(input_table(rig), cable_table(rig), input_of, drum_row(rig))
 
 
 # Entries of the load's row.
@@ -207,13 +173,7 @@ def run(
     The run ends early, like a bench with a safety stop, when the drum is off its reference by ``give_up_rad``.
     """
     inputs, cables, input_of, drum = plant.inputs, plant.cables, plant.input_of, plant.drum
-    gains, turns, current_share, encoders, noise = (
-        loops.gains,
-        loops.turns,
-        loops.current_share,
-        loops.encoders,
-        loops.noise,
-    )
+    gains, turns, encoders, noise = loops.gains, loops.turns, loops.encoders, loops.noise
     reference, torque, brake, load, paths = course.reference, course.torque, course.brake, course.load, course.paths
     log, account, log_every, h = record.log, record.account, clock.log_every, clock.h
     n_inputs, n_cables = inputs.shape[0], cables.shape[0]
@@ -248,12 +208,15 @@ def run(
                 row[LOG_FIRST + 3 * n_inputs + i] = q[i]
             for j in range(n_cables):
                 row[LOG_FIRST + 4 * n_inputs + j] = tension[j]
-        if paths.shape[0] > 0:
-            _bend(cables, paths[k], now)
+        for j in range(n_cables if paths.shape[0] > 0 else 0):
+            # Lever arms that an extra path gives each cable: its slopes, by virtual work.
+            sense = cables[j, columns.SIGMA]
+            now[j, columns.DRUM_RADIUS] = cables[j, columns.DRUM_RADIUS] - sense * paths[k, j, 1]
+            now[j, columns.INPUT_RADIUS] = cables[j, columns.INPUT_RADIUS] + sense * paths[k, j, 2]
         felt = 0.0
         for _ in range(clock.steps):
             for i in range(n_inputs):
-                motor[i] += current_share[i] * (command[i] - motor[i])
+                motor[i] += loops.current_share[i] * (command[i] - motor[i])
             before[:] = q
             tension_before[:] = tension
             speed = v[out]
@@ -279,15 +242,6 @@ def run(
         if abs(q[last] - reference[k, 0]) > clock.give_up_rad:
             return stored(plant, motion) - energy, k + 1
     return stored(plant, motion) - energy, reference.shape[0]
-
-
-@compiled
-def _bend(cables: Floats, path: Floats, now: Floats) -> None:
-    """Lever arms that an extra path gives each cable: its slopes, by virtual work."""
-    for j in range(cables.shape[0]):
-        sense = cables[j, columns.SIGMA]
-        now[j, columns.DRUM_RADIUS] = cables[j, columns.DRUM_RADIUS] - sense * path[j, 1]
-        now[j, columns.INPUT_RADIUS] = cables[j, columns.INPUT_RADIUS] + sense * path[j, 2]
 
 
 @compiled
@@ -374,12 +328,19 @@ def run_dynamic(
         reach_rad=float(np.abs(reference[:, 0]).max()) + 2.0 * give_up_rad,
     )
     noise = rng.standard_normal((n, n_inputs))
-    loops = Loops(loop_gains(rig), turns(rig), current_share(rig), encoder_table(rig), noise)
+    load, brake = rig.load, (rig.load.static_ratio, rig.load.static_speed_rad_s)
+    loops = Loops(
+        np.array([loop.gains() for loop in rig.loops]),
+        np.array(input_turns(rig.drive)),
+        np.array([1.0 - exp(-2.0 * pi * motor.current_bandwidth_Hz * rig.step_s) for motor in rig.motors]),
+        np.array([[e.resolution_rad, e.noise_rad, round(e.delay_s * rate)] for e in rig.encoders]),
+        noise,
+    )
     course = DynamicCourse(
         np.ascontiguousarray(reference, dtype=float),
         _series(torque_Nm, n),
         _series(brake_Nm, n),
-        load_row(rig),
+        np.array([load.inertia_kg_m2, *brake, load.unbalance_Nm, load.unbalance_angle_rad]),
         path_table(rig, reference),
     )
     change, done = run(

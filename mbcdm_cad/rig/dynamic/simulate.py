@@ -8,9 +8,8 @@ import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.rig.bench import Bench, bench_of
-from mbcdm_cad.rig.dynamic.rig import LOOP_RATE_HZ, DynamicRig, EncoderSpec, rig_of
 from mbcdm_cad.rig.dynamic.run import DynamicRun, run_dynamic
-from mbcdm_cad.rig.dynamic.train import LoadSpec
+from mbcdm_cad.rig.dynamic.train import LOOP_RATE_HZ, DynamicRig, EncoderSpec, LoadSpec, rig_of
 from mbcdm_cad.rig.experiment import DynamicExperiment, RigError, SimulatedRun
 
 

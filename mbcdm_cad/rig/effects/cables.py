@@ -80,6 +80,18 @@ class EccentricPulley(RigEffect):
         )
 
 
+def _lengthen(bench: Bench, grown: dict[int, Callable[[Floats, Floats], Floats]]) -> None:
+    """Let the path of each of these cables grow by a function of the angles of inputs and drum."""
+
+    def path(inputs: Floats, drum: Floats) -> Floats:
+        longer = np.zeros((len(bench.cables), drum.size))
+        for j, of in grown.items():
+            longer[j] = of(inputs, drum)
+        return longer
+
+    bench.paths.append(path)
+
+
 def _raise_land(
     bench: Bench, effect: str, cable: str, raised_m: float, shape: Callable[[Floats], Floats], **figures: float
 ) -> None:
@@ -90,13 +102,7 @@ def _raise_land(
     """
     (j,) = bench.which((cable,))
     sigma = bench.cables[j].sigma
-
-    def path(inputs: Floats, drum: Floats) -> Floats:
-        longer = np.zeros((len(bench.cables), drum.size))
-        longer[j] = raised_m * (shape(-sigma * drum) - shape(np.zeros(1)))
-        return longer
-
-    bench.paths.append(path)
+    _lengthen(bench, {j: lambda inputs, drum: raised_m * (shape(-sigma * drum) - shape(np.zeros(1)))})
     bench.tell(effect, in_vocabulary=False, cables=[cable], parameters=figures)
 
 
@@ -254,16 +260,12 @@ class RopeLay(RigEffect):
         def wound(x: Floats, radius: float) -> Floats:
             return np.asarray(height / (wave * radius) * (np.cos(phase) - np.cos(wave * radius * x + phase)))
 
-        def path(inputs: Floats, drum: Floats) -> Floats:
-            longer = np.zeros((len(bench.cables), drum.size))
-            for j in which:
-                c = bench.cables[j]
-                longer[j] = wound(c.sigma * inputs[c.input_index], c.input_radius_m) + wound(
-                    -c.sigma * drum, c.drum_radius_m
-                )
-            return longer
+        def grown(inputs: Floats, drum: Floats, j: int) -> Floats:
+            c = bench.cables[j]
+            on_input = wound(c.sigma * inputs[c.input_index], c.input_radius_m)
+            return on_input + wound(-c.sigma * drum, c.drum_radius_m)
 
-        bench.paths.append(path)
+        _lengthen(bench, {j: partial(grown, j=j) for j in which})
         for j in which:
             c = bench.cables[j]
             bench.tell(
@@ -309,20 +311,13 @@ class StrandDamage(RigEffect):
 
         def extra(drum: Floats) -> Floats:
             middle = self.position_mm * 1e-3 - c.sigma * c.drum_radius_m * drum
-            on_input = before(0.0, middle)
-            covered = on_input / c.input_radius_m
+            covered = before(0.0, middle) / c.input_radius_m
             for begin, end, radius_m in passed:
                 covered = covered + (before(end, middle) - before(begin, middle)) / radius_m
-            on_drum = half - before(drum_begin, middle)
-            covered = covered + on_drum / c.drum_radius_m
+            covered = covered + (half - before(drum_begin, middle)) / c.drum_radius_m
             return np.asarray(self.height_um * 1e-6 * covered)
 
-        def path(inputs: Floats, drum: Floats) -> Floats:
-            longer = np.zeros((len(bench.cables), drum.size))
-            longer[j] = extra(drum) - extra(np.zeros(1))[0]
-            return longer
-
-        bench.paths.append(path)
+        _lengthen(bench, {j: lambda inputs, drum: extra(drum) - extra(np.zeros(1))[0]})
         bench.tell(
             "strand_damage",
             in_vocabulary=False,
@@ -417,20 +412,12 @@ class Temperature(RigEffect):
                 (own - body * self.input_ppm_K, own - body * self.frame_ppm_K, own - body * self.drum_ppm_K),
             )
 
-        def grown(inputs: Floats, drum: Floats) -> Floats:
-            return np.stack(
-                [
-                    c.sigma
-                    * body
-                    * (
-                        self.input_ppm_K * c.input_radius_m * inputs[c.input_index]
-                        - self.drum_ppm_K * c.drum_radius_m * drum
-                    )
-                    for c in bench.cables
-                ]
-            )
+        def grown(inputs: Floats, drum: Floats, j: int) -> Floats:
+            c = bench.cables[j]
+            wound = self.input_ppm_K * c.input_radius_m * inputs[c.input_index]
+            return np.asarray(c.sigma * body * (wound - self.drum_ppm_K * c.drum_radius_m * drum))
 
-        bench.paths.append(grown)
+        _lengthen(bench, {j: partial(grown, j=j) for j in range(len(bench.cables))})
         if self.log:
             bench.temperature_C = self.ambient_degC + warm
         bench.tell(

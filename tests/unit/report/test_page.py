@@ -217,7 +217,7 @@ def test_turns_swings_and_stiffness_are_the_same_everywhere(design: DriveDesign,
     loaded = design.loaded
     drive, layout = loaded.drive, layout_of(loaded.drive)
     checks = {check.id: check for check in results(loaded)}
-    facts = Facts(drive, {check.id: check for check in checks_of(drive)}, loaded.data)
+    facts = Facts(drive, loaded.data)
     turns, places = turns_of(layout), outputs["analyse: structure"]["places"]
     again = turns_at(layout, drive.loads.test_torque_Nm)
     analysis = outputs["analyse"]

@@ -12,8 +12,8 @@ from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.model import hysteresis
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.rig.dynamic import plant, run
-from mbcdm_cad.rig.dynamic.rig import inertias, rig_of
 from mbcdm_cad.rig.dynamic.simulate import simulate_dynamic
+from mbcdm_cad.rig.dynamic.train import inertias, rig_of
 from mbcdm_cad.rig.experiment import DynamicExperiment, Experiment
 from mbcdm_cad.rig.quasistatic import set_up, simulate
 from tests.support.reference import PARAMS

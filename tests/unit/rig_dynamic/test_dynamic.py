@@ -18,9 +18,9 @@ from mbcdm_cad.rig.chain import chains
 from mbcdm_cad.rig.command import simulate_command
 from mbcdm_cad.rig.dynamic import plant, train
 from mbcdm_cad.rig.dynamic.plant import _descend, solve_friction
-from mbcdm_cad.rig.dynamic.rig import DynamicRig, EncoderSpec, inertias, rig_of
 from mbcdm_cad.rig.dynamic.run import DynamicRun, run_dynamic
 from mbcdm_cad.rig.dynamic.simulate import simulate_dynamic, truth_of
+from mbcdm_cad.rig.dynamic.train import DynamicRig, EncoderSpec, inertias, rig_of
 from mbcdm_cad.rig.experiment import DynamicExperiment, RigError, read_experiment
 from tests.support.reference import DRIVE, ROOT
 

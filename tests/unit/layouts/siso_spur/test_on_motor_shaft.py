@@ -28,8 +28,7 @@ from mbcdm_cad.model.structure.drum_sector import Isotropic
 from mbcdm_cad.parts.bodies import HornBody, ServoBody
 from mbcdm_cad.parts.milled import cylinder_z
 from mbcdm_cad.report.catalogue_list import CatalogueList
-from mbcdm_cad.rig.dynamic.rig import rig_of
-from mbcdm_cad.rig.dynamic.train import shaft_torque
+from mbcdm_cad.rig.dynamic.train import rig_of, shaft_torque
 from mbcdm_cad.routes.curves import Line
 from mbcdm_cad.workshop.kernel import location, validate_solid
 from tests.support.checked import failing, statuses
