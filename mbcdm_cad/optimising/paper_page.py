@@ -145,22 +145,14 @@ def _report(path: Path) -> dict[str, Any]:
 
 
 def _others(found: dict[str, Evaluated], built: dict[str, dict[str, Any]]) -> Iterator[str]:
-    yield ""
-    yield "## A leg that holds 30 N m, and the printed capstan with its own motor"
-    yield ""
+    yield "\n## A leg that holds 30 N m, and the printed capstan with its own motor\n"
     rows = tuple((title, *(_shown(found[name].figures.get(key)) for name in OTHERS)) for title, key in _OTHER_ROWS)
     yield from ReportTable(("", *OTHERS), rows).markdown()
-    yield ""
-    yield _OTHER_WORDS.format(milled_g=found["leg-aluminium-01"].figures["mass_g"])
-    yield "```"
+    yield "\n" + _OTHER_WORDS.format(milled_g=found["leg-aluminium-01"].figures["mass_g"]) + "\n```"
     for name in ("leg-aluminium", "leg-printed", "capstan-printed"):
         yield f"mbcdm optimise params/optimum/{name}.yaml --aim mass_g:min --aim swing_mrad:min --time 480s"
-    yield "```"
-    yield ""
-    yield "## Built with CAD"
-    yield ""
-    yield "From the reports of the builds; a later state of the rules may size a design a little otherwise."
-    yield ""
+    yield "```\n\n## Built with CAD\n"
+    yield "From the reports of the builds; a later state of the rules may size a design a little otherwise.\n"
     yield from ReportTable(
         ("design", "mass estimated, g", "mass of the solids, g", "clashes", "checks that fail"),
         tuple(
@@ -184,18 +176,15 @@ def _figures(path: Path) -> Evaluated:
 
 
 def _page(reference: Evaluated, found: dict[str, Evaluated]) -> Iterator[str]:
-    yield "# The best drive in the paper's box"
-    yield ""
+    yield "# The best drive in the paper's box\n"
     yield "Written by `python -m mbcdm_cad.optimising.paper_page params docs BUILDS` from the designs of"
     yield "`params/optimum`, which it checks again. The paper's box, motors, gearheads and travel; D/d at least 14.8."
-    yield "Torques are those of the weaker direction; the paper's design value is that of its stronger one."
-    yield ""
+    yield "Torques are those of the weaker direction; the paper's design value is that of its stronger one.\n"
     rows = tuple(
         (title, paper, *(_shown(one.figures.get(name)) for one in (reference, *found.values())))
         for title, name, paper in _ROWS
     )
-    yield from ReportTable(("", "paper", "its model here (mbcdm.yaml)", *found), rows).markdown()
-    yield ""
+    yield from (*ReportTable(("", "paper", "its model here (mbcdm.yaml)", *found), rows).markdown(), "")
     name, swing = "torque_to_weight_lossless_Nm_kg", "cable_swing_mrad"
     best = max((one.figures for one in found.values()), key=lambda figures: figures[name])
     both, stiff, own = found[DESIGNS[-2]].figures, found[DESIGNS[-1]].figures, reference.figures
