@@ -19,7 +19,7 @@ from mbcdm_cad.checks.transfer import TransferStacks, ratio_contributions, trans
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.bevel_transfer import bevel_box_mm, cut_at_pitch, transfer_stacks, wrap_checks
 from mbcdm_cad.layouts.siso_bevel.cable_path import full_input_turn_deg, taken_rad
-from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
+from mbcdm_cad.layouts.siso_bevel.design_file import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.layouts.siso_bevel.support import MOUNT_HEAD_ROOM_MM, POCKET_FLAT_MM
 from mbcdm_cad.model.tolerance import StackUp, tightest
