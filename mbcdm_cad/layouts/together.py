@@ -92,7 +92,7 @@ def together(
         offers, pins = {name: budget.offers.get(name, ()) for name in failing}, {}
         if not failing:
             break
-    return Together(changes, tuple(out), failing, file.sizing is not None)
+    return Together(changes, tuple(out), failing, bool(file.sizing))
 
 
 def _merged(offers: Mapping[str, Sequence[Offer]], pins: Mapping[str, Sequence[str]]) -> dict[str, Offer]:

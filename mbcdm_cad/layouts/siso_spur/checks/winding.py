@@ -15,8 +15,8 @@ import numpy as np
 
 from mbcdm_cad.checks import geometry, input_pulley, terminals
 from mbcdm_cad.checks.comparison import Comparison, Family, Findings, at_least, at_most, check, check_for, noted
-from mbcdm_cad.checks.design_variables import Adjustment, down, downs, up, ups
-from mbcdm_cad.checks.ratios import SURFACE_TOLERANCE_MM, anchor_bend, bending_checks, surface_radius
+from mbcdm_cad.checks.design_variables import down, downs, up, ups
+from mbcdm_cad.checks.ratios import BENDING, SURFACE_TOLERANCE_MM, anchor_bend, surface_radius
 from mbcdm_cad.checks.transfer import MORE_WRAP, SLIPS, WRAPS, stack_check, transmission_error, wrap_under_turn
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import NoFigureError
@@ -48,19 +48,15 @@ def cut_at_pitch(s: SpurLayout) -> Findings:
         )
 
 
-WIDER: tuple[Adjustment, ...] = (
-    *downs(at.transmission.input_to_drum, "rope diameter_mm"),
-    up("all radii of transmission"),
-)
 _IS_ANCHORED = attrgetter("anchored")
-_RADII = (surface_radius, cut_at_pitch, *bending_checks(WIDER), anchor_bend.but(adjust=WIDER, applies=_IS_ANCHORED))
+_RADII = (surface_radius, cut_at_pitch, *BENDING, anchor_bend.but(applies=_IS_ANCHORED))
 _STOPS = (
     input_pulley.dead_turns.but(
         adjust=(up(at.transmission.turns), *downs(at.transmission.input_to_drum, at.travel.half_angle_deg))
     ),
-    *input_pulley.stop_checks(WIDER),
+    *input_pulley.STOPS,
 )
-PULLEY_FITS = (*(check.but(applies=_IS_ANCHORED) for check in _STOPS), *input_pulley.coupling_checks(WIDER))
+PULLEY_FITS = (*(check.but(applies=_IS_ANCHORED) for check in _STOPS), *input_pulley.COUPLING)
 
 
 # Largest fleet angle on a smooth pulley (rope makers); from a groove the cable leaves in line with it.
