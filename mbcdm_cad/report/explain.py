@@ -94,22 +94,22 @@ def _stated(loaded: LoadedDesign) -> Iterator[Explained]:
 
 def _filled(loaded: LoadedDesign, data: dict[str, Any]) -> dict[str, Any]:
     """The data with the fields filled that even a complete file may leave out, so that they are computed only once."""
-    file = design_file(loaded.drive.configuration)
+    sizing = design_file(loaded.drive.configuration).sizing
     try:
-        return file.size(copy.deepcopy(data), {}).data if file.sizing else data
+        return data if sizing is None else sizing.size(copy.deepcopy(data), {}, None).data
     except SizingError:
         return data
 
 
 def _without(loaded: LoadedDesign, data: dict[str, Any], field: str) -> SizedValue | None:
     """The rule's value of a field that the file, read as ``data``, states; None if no rule gives one."""
-    file = design_file(loaded.drive.configuration)
-    if not file.sizing:
+    sizing = design_file(loaded.drive.configuration).sizing
+    if sizing is None:
         return None
     freed = copy.deepcopy(data)
     take_out(freed, field)
     try:
-        return file.size(freed, {}).of(field)
+        return sizing.size(freed, {}, None).of(field)
     except SizingError:
         return None
 

@@ -17,7 +17,9 @@ from mbcdm_cad.parts.motor_head import part
 from mbcdm_cad.parts.motor_head.dims import flange_screw
 from mbcdm_cad.parts.turned import Dowel
 
-_at = Placement.translation
+
+def _at(x: float, y: float, z: float) -> Placement:
+    return Placement.translation(x, y, z)
 
 
 def _add_fixed_at_input(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = "") -> None:

@@ -80,7 +80,7 @@ def time_interval_s(fitter: Fitter, fit: Fit, effect: Effect, noise: NoiseModel)
 def as_named(effect: Effect, values: Floats, block: Floats, fall_rad: float, run: str) -> Named:
     """An effect with its figures; ``block`` is the covariance of its values, ``run`` the data that alone has it."""
     figures = {figure.name: interval(figure, values, block, effect) for figure in effect.reported()}
-    words = effect.words_of(values)
+    words, half = effect.words_of(values), INTERVAL * np.sqrt(np.maximum(np.diag(block), 0.0))
     return Named(
         effect.name,
         effect.form,
@@ -97,10 +97,7 @@ def as_named(effect: Effect, values: Floats, block: Floats, fall_rad: float, run
         {figure.name: figure.meaning for figure in effect.reported() if figure.meaning},
         words.plain,
         run,
-        half_widths={
-            p.name: INTERVAL * float(np.sqrt(max(0.0, own)))
-            for p, own in zip(effect.parameters, np.diag(block), strict=True)
-        },
+        half_widths=dict(zip([p.name for p in effect.parameters], half.tolist(), strict=True)),
     )
 
 
@@ -143,17 +140,9 @@ def traces(fitter: Fitter, bare: Fit, fit: Fit) -> tuple[Traces, ...]:
     """Signals for the page, thinned, and the order spectra before and after."""
     found = []
     for part, p in zip(fitter.parts, fitter.runs, strict=True):
-        orders, before = order_spectrum(p.output_rad[p.used], bare.residual[part][p.used])
-        _, after = order_spectrum(p.output_rad[p.used], fit.residual[part][p.used])
-        signals = (
-            p.time_s,
-            p.output_rad,
-            p.load_Nm,
-            bare.residual[part],
-            fit.residual[part],
-            1.0 * p.held,
-            1.0 * p.used,
-        )
+        both = [one.residual[part] for one in (bare, fit)]
+        (orders, before), (_, after) = (order_spectrum(p.output_rad[p.used], one[p.used]) for one in both)
+        signals = (p.time_s, p.output_rad, p.load_Nm, *both, 1.0 * p.held, 1.0 * p.used)
         every = max(1, p.time_s.size // TRACE_POINTS)
         thinned: list[Any] = [None if one is None else one[::every] for one in signals]
         found.append(Traces(*[*thinned, orders, before, after]))
@@ -167,16 +156,12 @@ def left_out(label: str, rms_rad: float, fall_rad2: float, floor_rad: float) -> 
     return CandidateRow(label, rms_rad, fall_rad, why)
 
 
-# Figures of the design, of the errors within a class.
-PARTS = ("structure", "losses")
-
-
 def within_words(sizes: Sequence[tuple[Effect, float]], torque_class: TorqueClass) -> str:
     """Errors of the torque sensor within the class that allows them, and of the design's figures, for people."""
     own, others = list[str](), list[str]()
     for effect, size in sizes:
         name = effect.parameters[0].name
-        is_part = effect.name in PARTS
+        is_part = effect.name in ("structure", "losses")  # figures of the design
         figure = f"{effect.name}_{name}" if is_part else f"{effect.name[5:]}_{name.rsplit('_', 1)[-1]}"
         word, shown = readable(figure, [size])
         (own if is_part else others).append(f"{word} {shown[0]}")

@@ -15,15 +15,12 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.loop.effect import Effect, Parameter
-from mbcdm_cad.loop.result import Named
+from mbcdm_cad.loop.result import NEAR_FLOOR, Named
 from mbcdm_cad.loop.search import account, evidence, screening
 from mbcdm_cad.loop.search.fit import Fit, FitRows, Fitter
 from mbcdm_cad.loop.search.moves import Moves
 from mbcdm_cad.loop.search.problem import LogProblem, Nuisance
 from mbcdm_cad.routes import Floats
-
-# Of effects that set the slip of the cables a linear step promises little.
-CABLES_SLIP = ("preload_error", "cable_friction", "passed_slip")
 
 
 def bounds_of(effects: Sequence[Effect]) -> Floats:
@@ -213,24 +210,13 @@ class Runs(Posterior, Moves[Fit]):
 
 
 @dataclass(frozen=True, eq=False)
-class Promise:
+class Promise(screening.Screened):
     """A candidate, where its refit begins, and the logarithm of the evidence of its linear step: beside an unknown
     cause, and ``alone``."""
 
-    screened: screening.Screened
     start: Floats
     log: float
     alone: float
-
-    @property
-    def effect(self) -> Effect:
-        """Its effect."""
-        return self.screened.effect
-
-    @property
-    def columns(self) -> Floats:
-        """Derivatives of the prediction by its values."""
-        return self.screened.columns
 
 
 class Search(Runs):
@@ -256,6 +242,11 @@ class Search(Runs):
         noise = self.problem.noise_of(fit, nuisances, known)
         if fit is self.bare or noise.floor_rad < self.floor_rad:
             self.weigh(noise, nuisances)
+
+    def left_rad(self, fit: Fit) -> float:
+        """RMS that the sweeps held back have above the noise, where it is more than chance."""
+        held, floor = self.held_rms(self.beside_nuisances(fit)), self.floor_rad
+        return float(np.sqrt(max(held**2 - floor**2, 0.0))) if self.certain(fit) or held > NEAR_FLOOR * floor else 0.0
 
     def untold(self, fit: Fit, now: Fit) -> bool:
         """What was not measured is in the set if what tells it from the effect is too small to name."""
@@ -287,31 +278,19 @@ class Search(Runs):
             # Orders and times are only refined by the fit; a linear step would move them out of their minimum.
             held = np.array([q.low > -np.inf for q in p]) & (c.guess != 0.0)
             start = np.clip(np.where(held, c.guess, one.mean[k - q :]), [q.low for q in p], [q.high for q in p])
-            found.append(Promise(c, start, one.log - evidence.LOG_ODDS * c.effect.last, one.alone))
+            log = one.log - evidence.LOG_ODDS * c.effect.last
+            found.append(Promise(c.effect, c.columns, c.change, c.guess, start, log, one.alone))
             at += m + 1
         found.sort(key=lambda one: one.log)
         places = {id(one): any(p.role != "size" for p in one.effect.parameters) for one in found}
         best = {(one.effect, id(one) if places[id(one)] else 0): one for one in found}
         return sorted(best.values(), key=lambda one: -one.log)
 
-    def _chosen(self, now: Fit, ranked: Sequence[Promise]) -> list[Promise]:
-        """Candidates that are refitted: the likeliest beside an unknown, and beside none, at all their starts."""
-        alone = sorted(ranked, key=lambda one: -one.alone)
-        chosen = {one.effect for one in (*ranked[: evidence.TRIED], *alone[: evidence.TRIED])}
-        names = CABLES_SLIP if self.certain(now) else ()
-        return [one for one in ranked if one.effect in chosen or one.effect.name in names]
-
     def _rough(
-        self,
-        unknown: int,
-        effects: Sequence[Effect],
-        values: Sequence[Floats],
-        near: Fit,
-        fitter: Fitter,
-        slopes: Floats | None = None,
+        self, unknown: int, effects: Sequence[Effect], values: Sequence[Floats], near: Fit, fitter: Fitter, **own: Any
     ) -> Fit:
         """A fit good enough to rank candidates."""
-        options: dict[str, Any] = {"iterations": 4, "settled": 1e-4, "fresh": False, "slopes": slopes}
+        options = {"iterations": 4, "settled": 1e-4, "fresh": False} | own
         return self.fitted(unknown, effects, values, near.offsets, fitter, **options)
 
     def _begun(self, now: Fit, c: Promise, fitter: Fitter) -> Fit:
@@ -357,7 +336,10 @@ class Search(Runs):
         """Refits of ``now`` with one effect more."""
         each = self.screening.twins.each
         begun, ranked = list[Fit](), self._promises(now)
-        chosen = self._chosen(now, ranked)
+        # The likeliest beside an unknown, and beside none, at all their starts.
+        alone = sorted(ranked, key=lambda one: -one.alone)
+        first = {one.effect for one in (*ranked[: evidence.TRIED], *alone[: evidence.TRIED])}
+        chosen = [one for one in ranked if one.effect in first]
         while chosen:
             ranked = [one for one in ranked if one not in chosen]
             begun += each([partial(self._begun, now, c) for c in chosen])
@@ -375,7 +357,7 @@ class Search(Runs):
         # What is far from the best, or from what can be added, is not finished.
         needed = self.log_of(now) + float(np.log(self.names)) + evidence.LOG_ODDS
         least = max([needed, *map(self.log_of, begun[:1])]) - evidence.LOG_ODDS
-        likely = {one.effects[-1] for one in begun[: evidence.TRIED]}
+        likely = [*dict.fromkeys(one.effects[-1] for one in begun)][: evidence.TRIED]
         near = [one for one in begun if one.effects[-1] in likely or self.log_of(one) > least]
         ended = each([partial(self._finished, one) for one in near])
         self._reached |= {one.effects: one for one in (*begun, *ended)}
@@ -398,12 +380,11 @@ class Search(Runs):
         place = effect.form.split(":")[0]
         return [f for e in self.library if e.key == effect.key and e.form == place and e.richer for f in e.richer()]
 
-    def found(self) -> Fit:
-        """The fit of most evidence, brought to its end."""
-        now = super().found()
-        if not now.effects:
-            return now
-        unknown = self.of(now).unknown if self.of(now).unknown_odds > 0.0 else 0
-        ended = self.fitted(unknown, now.effects, now.values, now.offsets)
-        self._additions[ended] = self.additions(now)
+    def ended(self, fit: Fit) -> Fit:
+        """A fit whose effects do all that they can: an unknown cause is what they leave."""
+        if not fit.effects:
+            return fit
+        ended = self.fitted(self.white.none, fit.effects, fit.values, fit.offsets)
+        if fit in self._additions:
+            self._additions[ended] = self._additions[fit]
         return ended

@@ -19,7 +19,7 @@ from mbcdm_cad.loop.prepare.prepared import Prepared, prepare_all
 from mbcdm_cad.loop.result import Helpful, LoopResult, Named, Noise, doubt_of, runs_of, verdict_of
 from mbcdm_cad.loop.search import account, few, problem, response, screening
 from mbcdm_cad.loop.search.by_evidence import Posterior, Search
-from mbcdm_cad.loop.search.evidence import ALIKE_SHARE, LOG_ODDS, ROUNDED
+from mbcdm_cad.loop.search.evidence import ALIKE_SHARE, ROUNDED
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.moves import MOST_EFFECTS, told
 from mbcdm_cad.loop.search.own import begun, differing, in_best_forms, own_effects
@@ -90,14 +90,11 @@ class _Loop:
 
     def result(self) -> LoopResult:
         """Search, withdraw, describe on all samples of the runs at hand."""
-        fit = self.search.found()
+        fit, withdrawn = self.search.withdrawn(self.search.found())
         sets = self.search.sets_of(fit)
-        kept, withdrawn = self.search.withdrawn(fit)
         self._on_all()
         whole = self._fitted_on_all(fit)
-        judged = whole if kept is fit else self._fitted_on_all(kept)
         self._weigh_about(whole)
-        sets = [one for one in sets if one.effect in kept.effects]
         # A quantity that the runs did not measure explains the error as well.
         open_ = [one for one in sets if any(member.unmeasured for member in one.members)]
         withdrawn += [(one.effect, fit) for one in open_]
@@ -105,34 +102,30 @@ class _Loop:
         certain = [one for one in sets if one not in open_]
         named, one_of = told(certain, lambda effect: self._named(effect, fit, whole), self._other)
         named = self._with_correlations(named, [one.effect for one in certain if not one.alike], whole)
-        floor_rad = self.search.floor_rad
-        after = self.posterior.beside_nuisances(judged)
-        found = account.errors(self.whole, self.bare_whole, after, floor_rad)
-        groups = named or one_of
-        # An error above the floor that certainly does not repeat is none beside what was found.
-        rest = not found.near_floor and not (groups and self.search.of(kept).unknown_odds < -LOG_ODDS)
-        unknown = self._largest(after) if self.search.unexplained(kept) or rest else None
+        after = self.posterior.beside_nuisances(whole)
+        found = account.errors(self.whole, self.bare_whole, after, self.search.floor_rad)
+        unknown = self._largest(after) if self.search.unexplained(fit) or not found.near_floor else None
         blind = all(p.few for p in self.prepared) or unmeasured
         declared = float(np.sqrt(np.mean([p.floor_rad**2 for p in self.prepared])))
         noise = account.stated(self.search.white.noise, declared)
         return LoopResult(
-            verdict_of(groups, unknown, not blind),
+            verdict_of(named or one_of, unknown, not blind),
             tuple(named),
             tuple(one_of),
             unknown,
             found,
-            *self.search.candidates(kept),
+            *self.search.candidates(fit),
             account.not_testable(self.d, self.prepared),
             account.next_steps(named, one_of, unknown),
             account.chain_orders(self.d, self.ratio),
             account.traces(self.whole, self.bare_whole, after),
             noise,
             tuple(p.windows for p in self.prepared),
-            self._doubts(noise, kept, unmeasured),
+            self._doubts(noise, fit, unmeasured),
             tuple(self._helpful(effect, at) for effect, at in withdrawn),
-            within_class=self.search.within_words(kept),
-            correction=partial(correction_of, self.whole, judged, floor_rad),
-            own=differing(self.whole, judged, self.posterior.with_offsets(judged), self.differs),
+            within_class=self.search.within_words(fit),
+            correction=partial(correction_of, self.whole, whole, self.search.floor_rad),
+            own=differing(self.whole, whole, self.posterior.with_offsets(whole), self.differs),
         )
 
     def _on_all(self) -> None:
@@ -158,7 +151,7 @@ class _Loop:
         if any(effect.once for effect in fit.effects):
             # A single event may lie in a part that the search did not use. Of two, one may hide the time of the other.
             begun = screening.located(self.whole, fit) or fit
-        return self.posterior.fitted(self.search.of(fit).unknown, begun.effects, begun.values, begun.offsets)
+        return self.posterior.fitted(self.posterior.white.none, begun.effects, begun.values, begun.offsets)
 
     def _largest(self, fit: Fit) -> Unknown:
         """The unexplained part of the run in which it is largest."""

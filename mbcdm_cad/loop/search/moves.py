@@ -116,6 +116,10 @@ class Moves(ABC, Generic[SomeFit]):
     def retuned(self, fit: SomeFit) -> None:
         """Take the noise of a fit, where that is found from one."""
 
+    def ended(self, fit: SomeFit) -> SomeFit:
+        """A fit as it is told."""
+        return fit
+
     def untold(self, fit: SomeFit, now: SomeFit) -> bool:
         """Whether a fit is in a set beside ``now`` however unlikely it is."""
         return False
@@ -137,6 +141,10 @@ class Moves(ABC, Generic[SomeFit]):
     def unexplained(self, fit: SomeFit) -> bool:
         """Whether an unknown cause is certain, and does more than what is too small to name."""
         return self.certain(fit) and self.unknown_rad(fit) > LEAST_FALL * self.floor_rad
+
+    def left_rad(self, fit: SomeFit) -> float:
+        """RMS of a certain unknown cause beside a fit."""
+        return self.unknown_rad(fit) if self.certain(fit) else 0.0
 
     def additions(self, now: SomeFit) -> list[SomeFit]:
         """Fits of ``now`` with one effect more, most likely first."""
@@ -207,9 +215,9 @@ class Moves(ABC, Generic[SomeFit]):
     def withdrawn(self, fit: SomeFit) -> tuple[SomeFit, list[tuple[Any, SomeFit]]]:
         """The fit without effects that are too small to name; and those of them that are too small only beside a
         certain unknown part, which may contain them, each with the fit that had it."""
-        taken, least_rad = list[tuple[Any, SomeFit]](), LEAST_FALL * self.floor_rad
+        fit, taken, least_rad = self.ended(fit), list[tuple[Any, SomeFit]](), LEAST_FALL * self.floor_rad
         while fit.effects:
-            needed = max(least_rad, self.unknown_rad(fit) / BLAME_SHARE if self.certain(fit) else 0.0)
+            needed = max(least_rad, self.left_rad(fit) / BLAME_SHARE)
             falls = {effect: self.fall(fit, effect) for effect in fit.effects}
             # Of those that do too little that goes without which the rest is likeliest.
             less = {effect: self.without(fit, effect) for effect in fit.effects if falls[effect] < needed}
@@ -217,7 +225,7 @@ class Moves(ABC, Generic[SomeFit]):
                 break
             out, rest = max(less.items(), key=lambda pair: self.score(pair[1]))
             taken += [(out, fit)] if falls[out] >= least_rad else []
-            fit = rest
+            fit = self.ended(rest)
         return fit, taken
 
     def sets_of(self, now: SomeFit) -> list[CredibleSet[SomeFit]]:
@@ -226,13 +234,20 @@ class Moves(ABC, Generic[SomeFit]):
 
     def _set_of(self, now: SomeFit, effect: Any) -> CredibleSet[SomeFit]:
         less = self.without(now, effect)
-        fits, forms = {effect.key: now}, list[str]()
-        for one in self.additions(less):
-            last = one.effects[-1]
-            if last.key != effect.key:
-                fits.setdefault(last.key, one)
-            elif last.form != effect.form and self.score(one) > self.score(now) - LOG_ODDS:
-                forms.append(last.form)
+        others = self.additions(less)
+        if self.certain(now):
+            # Beside a certain unknown part what could not be named either is no alternative.
+            told = sorted(map(self.ended, others), key=self.score, reverse=True)
+            others = [
+                one for one in told if np.hypot(self.rms(one), self.left_rad(one) / BLAME_SHARE) <= self.rms(less)
+            ]
+        # A fit as it is told may not be the likeliest of its effects.
+        best = max([now, *(one for one in others if one.effects[-1].key == effect.key)], key=self.score)
+        fits, near = {effect.key: best}, self.score(best) - LOG_ODDS
+        for one in others:
+            fits.setdefault(one.effects[-1].key, one)
+        lasts = [one.effects[-1] for one in others if self.score(one) > near]
+        forms = [last.form for last in lasts if last.key == effect.key and last.form != effect.form]
         each = list(fits.values())
         scores = [self.score(less), *map(self.score, each)]
         share = np.exp(np.array(scores) - logsumexp(scores))[1:]

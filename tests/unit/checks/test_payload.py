@@ -7,11 +7,10 @@ from typing import Any
 
 import pytest
 
-from mbcdm_cad.checks import motors
 from mbcdm_cad.checks.bearings import drum_bearings, drum_reactions_N
-from mbcdm_cad.checks.comparison import CheckResult, families
+from mbcdm_cad.checks.comparison import CheckResult
 from mbcdm_cad.checks.fixings import shaft_stress
-from mbcdm_cad.checks.motors import backdrive, continuous_torque
+from mbcdm_cad.checks.motors import FAMILIES, backdrive, continuous_torque
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.checks.structure import payload_screws
 from mbcdm_cad.design.blocks import DutyBlock, DutyRow, Payload
@@ -244,7 +243,7 @@ def test_anchored_cables_get_less_preload_until_one_would_go_slack(layout: str, 
     assert set(failed) == {"backdrive"} and least < less and easiest < share * turned, (least, failed)
 
 
-BY_ID = {check.id: check for check in families(motors)[1].checks}
+BY_ID = {check.id: check for check in FAMILIES[1].checks}
 # Motor without a gearhead, printed.
 LEG = """name: leg
 configuration: siso_spur

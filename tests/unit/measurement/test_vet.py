@@ -219,10 +219,6 @@ class JudgedError(BaseException):
     """Raised in place of the search: reading and vetting let the run pass."""
 
 
-# The search by evidence tells unknown in these real runs and lash as what resembles it: to be mended.
-UNTOLD = pytest.mark.xfail(reason="unknown is told where lash is seen by hand", strict=True)
-
-
 @cache
 def _columns() -> dict[str, np.ndarray]:
     run = sound_run()
@@ -575,7 +571,6 @@ def test_the_mappings_are_there() -> None:
     ]
 
 
-@UNTOLD
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "seen_by_hand_rad", "width_rad"),
@@ -595,7 +590,6 @@ def test_the_loop_finds_the_lost_motion_seen_by_hand(
     assert result.errors.after.value < 0.25 * result.errors.before.value, result.sentence
 
 
-@UNTOLD
 @pytest.mark.slow
 def test_three_runs_together_tell_the_lost_motion_of_the_cable(tmp_path: Path) -> None:
     from mbcdm_cad.loop.search.engine import close_loop
