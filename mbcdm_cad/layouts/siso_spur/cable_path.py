@@ -15,8 +15,7 @@ import numpy as np
 
 from mbcdm_cad.layouts.siso_spur.drive import CHANGE_RAD, SpurDrive, SpurRun, contact_rad
 from mbcdm_cad.layouts.siso_spur.routes import SENSE
-from mbcdm_cad.parts.drum_sector.design import SectorRun
-from mbcdm_cad.parts.drum_sector.sizes import SWAGE_START_MM
+from mbcdm_cad.parts.drum_sector import design, sizes
 from mbcdm_cad.parts.input_pulley.dims import STOP_PIECES, StopGeometry, stop_geometry, stop_pieces
 from mbcdm_cad.routes import curves
 from mbcdm_cad.routes.curves import Piece as Drawn
@@ -36,7 +35,7 @@ def led_names(drive: SpurDrive) -> tuple[str, ...]:
     return ("span", *between)
 
 
-def input_wrap_rad(drive: SpurDrive, cable: SectorRun, drum_angle_rad: float) -> float:
+def input_wrap_rad(drive: SpurDrive, cable: design.SectorRun, drum_angle_rad: float) -> float:
     """Wrap of one side on the input, from the cable's middle or stop, at a drum angle.
 
     It decreases with the drum angle for a side that runs to +x. Negative if the middle has left the input.
@@ -187,5 +186,5 @@ def longest_mm(drive: SpurDrive, anchor_rad: float) -> float:
     tail = 6.0 * drive.cable.diameter_mm
     if drive.whole_drum:
         # The terminal lies at ``anchor_rad`` itself, not before it: the rope in the sleeve counts, drawn in.
-        tail = max(tail, SWAGE_START_MM + drive.tensioner.swage_length_mm + DRAWN_IN_MM)
+        tail = max(tail, sizes.SWAGE_START_MM + drive.tensioner.swage_length_mm + DRAWN_IN_MM)
     return (wound + on_drum) * drive.stretched + tail

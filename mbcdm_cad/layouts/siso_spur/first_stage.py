@@ -13,7 +13,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import asdict, replace
-from functools import cached_property, partial
+from functools import cached_property, partial, reduce
 from importlib import import_module
 from math import ceil, floor, pi, sqrt
 from pathlib import Path
@@ -93,14 +93,7 @@ def of_design(design: Any) -> FirstStage | None:
 
 def _fields(design: Any) -> Get:
     """The values of a design by their dotted names."""
-
-    def get(field: str) -> Any:
-        at: Any = design
-        for name in field.split("."):
-            at = getattr(at, name, None)
-        return at
-
-    return get
+    return lambda field: reduce(lambda block, name: getattr(block, name, None), field.split("."), design)
 
 
 def of_data(get: Get) -> FirstStage:

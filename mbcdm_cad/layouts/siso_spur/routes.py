@@ -223,16 +223,12 @@ class SpurGeometry(route.AnchoredGeometry):
         distance, ratio = float(parameters[DISTANCE]), parameters[route.DRUM_RADIUS] / parameters[route.INPUT_RADIUS]
         bodies = [route.Body(DRUM, "drum", (0.0, 0.0, 0.0), _Y, _Z, 1.0)]
         for i, (name, angle) in enumerate(zip(self.input_names, self.angle_rad, strict=True)):
-            out = (sin(angle), 0.0, cos(angle))
             turns = float(np.mean(ratio[np.array(self.input_of) == i]))
             # With crossed spans the input turns against the drum, with open ones with it: its angle about this axis has
             # the sign of the drum's.
             axis = _BACK if self.input_sense > 0 else _Y
-            bodies.append(
-                route.Body(
-                    route.input_body(name), "input", (distance * out[0], 0.0, distance * out[2]), axis, out, turns
-                )
-            )
+            at, out = turned(angle, 0.0, distance), turned(angle, 0.0, 1.0)
+            bodies.append(route.Body(route.input_body(name), "input", at, axis, out, turns))
         bodies[1:1] = self._idler_bodies(parameters)
         found = self.strand(parameters)
         sides = tuple(self._side(parameters, j, found) for j in range(len(self.cable_names)))
@@ -253,7 +249,11 @@ class SpurGeometry(route.AnchoredGeometry):
         side, cable = self.drum_side[j], self.cable_names[j]
         input_name, level = self.input_names[self.input_of[j]], self.level_m[j // 2]
         r_i, r_o = float(parameters[route.INPUT_RADIUS][j]), float(parameters[route.DRUM_RADIUS][j])
-        through, apart, rises = self._winding(parameters, j)
+        # Of a continuous cable a side leaves the input at one end of the winding and goes on outwards.
+        whole, rises, apart = self.through_wrap_rad(parameters), -self.outward[j], self.apart_m or 0.0
+        if whole is not None:
+            rises, apart = self.outward[j], self.lead_m * float(whole[j // 2]) / (4 * np.pi)
+        through = whole is not None
         slope, at = rises * self.lead_m / (2 * np.pi * r_i), level + self.outward[j] * apart
         name = route.input_body(input_name)
         pieces: list[route.Piece] = [
@@ -275,14 +275,6 @@ class SpurGeometry(route.AnchoredGeometry):
             route.Terminal(DRUM),
         ]
         return route.CableRoute(cable, input_name, self.sense[j], tuple(pieces))
-
-    def _winding(self, parameters: Mapping[str, Floats], j: int) -> tuple[bool, float, int]:
-        """Whether a cable may slip through on its input; how far a side leaves it from the cable's middle, m; and the
-        sense along Y in which the side goes on from there."""
-        through = self.through_wrap_rad(parameters)
-        if through is None:
-            return False, self.apart_m or 0.0, -self.outward[j]
-        return True, self.lead_m * float(through[j // 2]) / (4 * np.pi), self.outward[j]
 
     def _direction(self, side: int, found: Strand, span: int, j: int) -> tuple[float, float, float]:
         heading = float(found.heading[span, j])

@@ -86,11 +86,6 @@ class LoadedPin(NamedTuple):
         """Where plate and strap hold the axle."""
         return self.stand.front_y, self.stand.strap_back_y
 
-    @property
-    def name(self) -> str:
-        """The idlers on it."""
-        return " and ".join(self.bodies)
-
 
 def bearing_forces_N(s: SpurLayout) -> list[LoadedPin]:
     """The axles under the pull of their cables: in each state of the loads, the cables at either end of their walk."""
@@ -138,7 +133,9 @@ def idler_axles(s: SpurLayout) -> Findings:
     for pin in s.once("idler_forces", bearing_forces_N):
         bent = max(bent_axle_Nmm(forces, pin.at_mm, pin.ends_mm)[0] for forces in pin.states_N)
         stress = round_shaft_MPa(pin.stand.axle_radius, bent)
-        what = f"yield {strength:g} MPa over the bending stress {stress:.4g} MPa of the axle of {pin.name}"
+        what = (
+            f"yield {strength:g} MPa over the bending stress {stress:.4g} MPa of the axle of {' and '.join(pin.bodies)}"
+        )
         yield what, strength / max(stress, 1e-12), STRESS_SAFETY
 
 

@@ -14,17 +14,14 @@ from mbcdm_cad.checks.design_variables import ALL_RADII
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Freedom, Moved, Sizing
-from mbcdm_cad.layouts import common_rules, head_dims
+from mbcdm_cad.layouts import common_rules, head_dims, head_parts, stiff_sizing, trial_sizing
 from mbcdm_cad.layouts.common_rules import SCHEMA_VERSION, half_travel, missing_travel, needed
 from mbcdm_cad.layouts.head_basis import LIMITS, METALS, ROPE_LIMITS, TRAIN
-from mbcdm_cad.layouts.head_parts import PARTS, by_mass
 from mbcdm_cad.layouts.open_ratio import SizingRules
 from mbcdm_cad.layouts.siso_spur.routes import flange_radius_mm
 from mbcdm_cad.layouts.siso_spur.schema import MOUNT_BOLTS
 from mbcdm_cad.layouts.siso_spur.sizing import basis
 from mbcdm_cad.layouts.siso_spur.sizing.stage import FIRST, GUESSES, STAGE, STAGE_RATIO, with_room
-from mbcdm_cad.layouts.stiff_sizing import SHARED, walls
-from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, ON_SHAFT
 from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
 from mbcdm_cad.sizing import Found, Rule, largest, rounded_up, rule
 
@@ -157,7 +154,7 @@ def places(given: basis.SpurKnown) -> Found:
     _HAS_IDLERS,
 )
 def idler_bearing(given: basis.SpurKnown) -> Found:
-    return given.first("idlers.bearing", by_mass(given, "bearings"), ("idler_bearings", "idler_axles"))
+    return given.first("idlers.bearing", head_parts.by_mass(given, "bearings"), ("idler_bearings", "idler_axles"))
 
 
 @rule(
@@ -212,7 +209,7 @@ RULES: tuple[Rule, ...] = (
     radius,
     places,
     basis.least_preload,
-    *PARTS,
+    *head_parts.PARTS,
     *STAGE,
     *FRAME,
     *basis.WINDING,
@@ -225,7 +222,7 @@ RULES: tuple[Rule, ...] = (
 )
 
 
-STIFFENERS = (*SHARED, *walls("plate", "bridge", "side_wall"))
+STIFFENERS = (*stiff_sizing.SHARED, *stiff_sizing.walls("plate", "bridge", "side_wall"))
 
 
 # What ``mbcdm solve`` may change besides the derived dimensions.
@@ -245,9 +242,9 @@ def _first_guesses(given: basis.SpurKnown) -> dict[str, Any]:
     """Values of a drive of medium size, for fields that the first pass does not know yet."""
     radius = float(given.peek(at.transmission.drum_radius_mm) or 80.0)
     return {
-        **MIDDLE_SIZE,
+        **trial_sizing.MIDDLE_SIZE,
         **GUESSES.get(str(given.peek("stage.kind")), {}),
-        **(ON_SHAFT if given.overhung else {}),
+        **(trial_sizing.ON_SHAFT if given.overhung else {}),
         at.rope.helix_lead_mm: 1.5,
         at.transmission.turns: 5,
         at.transmission.centre_distance_mm: 1.4 * radius,

@@ -12,10 +12,9 @@ from mbcdm_cad.design.bought import Gearhead
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import SizingError
-from mbcdm_cad.layouts import head_basis
+from mbcdm_cad.layouts import head_basis, head_parts
 from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.layouts.common_rules import least_bend_ratio, ropes_to_choose
-from mbcdm_cad.layouts.head_parts import JOURNAL_MM
 from mbcdm_cad.layouts.siso_spur.drive import MOST_SECTOR_TRAVEL_DEG, PITCH_SPREAD
 from mbcdm_cad.layouts.siso_spur.first_stage import of_data
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
@@ -139,7 +138,7 @@ def _input_needs_mm(given: SpurKnown, d_mm: float, bend_ratio: float) -> dict[st
     """Least radii of the input, for the limit of the bend ratio and for a neck round the shaft."""
     if given.servo is not None:
         return {"bend_ratio": bend_ratio * d_mm / 2}
-    shaft = JOURNAL_MM if given.has("stage.kind") else given.gearhead.shaft_diameter_mm
+    shaft = head_parts.JOURNAL_MM if given.has("stage.kind") else given.gearhead.shaft_diameter_mm
     return {"bend_ratio": bend_ratio * d_mm / 2, "bearing_shoulders": shaft / 2 + NECK_MM + d_mm / 2}
 
 
