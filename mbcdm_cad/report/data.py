@@ -132,11 +132,6 @@ def bill_lines(centred: Bill, parts: Mapping[str, StoredPart], drive: Drive) -> 
     return tuple(sorted(lines, key=lambda line: (-line.total_g, line.part)))
 
 
-def total_sigma_g(lines: tuple[BillLine, ...]) -> float:
-    """One sigma of the total mass, g; the errors of different kinds of parts are independent."""
-    return float(np.sqrt(sum(line.sigma_g**2 for line in lines)))
-
-
 def masses_by_item(centred: Bill, parts: Mapping[str, StoredPart]) -> dict[str, MassProperties]:
     """Mass properties of every item at its place."""
     return {item.name: item_mass(item, parts[item.part].files.shape) for item in centred.items}
@@ -354,7 +349,7 @@ def report_data(
         "travel_deg": [drive.middle_deg - drive.half_travel_deg, drive.middle_deg + drive.half_travel_deg],
         "mass": {
             **_mass(whole),
-            "sigma_g": total_sigma_g(lines),
+            "sigma_g": float(np.sqrt(sum(line.sigma_g**2 for line in lines))),  # kinds of parts err independently
             "target_g": drive.targets.mass_g,
             "tolerance_g": drive.targets.mass_tolerance_g,
             "prototype_measured_g": drive.targets.prototype_mass_g,

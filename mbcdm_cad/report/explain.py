@@ -60,8 +60,9 @@ class Explanation(TextReport):
 
     def text(self, width: int | None = None) -> str:
         """What ``mbcdm explain`` prints: a table of all fields, or the chain of one; no line longer than ``width``."""
-        lines = chain_lines(self.loaded, self.field, width) if self.field else table_lines(self.loaded, width)
-        return "\n".join(lines)
+        if self.field is None:
+            return "\n".join(table_lines(self.loaded, width))
+        return "\n".join(line for long in _chain(self.loaded, self.field) for line in filled(long, width))
 
     def to_dict(self) -> dict[str, Any] | list[dict[str, Any]]:
         """Plain data: one record for a field, else a list of records."""
@@ -127,11 +128,23 @@ def explain_field(loaded: LoadedDesign, field: str) -> Explained:
     whole = loaded.design.model_dump(mode="json")
     value, known = value_at(whole, field), [*(v.field for v in loaded.sized), *(name for name, _ in leaves(whole))]
     if value is None and field not in known:
-        raise MbcdmError(f"{loaded.path}: {field}: no such field; {did_you_mean(field, known)}")
+        absent = _absent_block(loaded, field)
+        raise MbcdmError(f"{loaded.path}: {field}: {absent or f'no such field; {did_you_mean(field, known)}'}")
     data = loaded.given
     given = value_at(data, field) is not None
     ruled = given and field.partition(".")[0] not in _WITHOUT_RULES
     return Explained(field, value, given, _without(loaded, data, field) if ruled else None)
+
+
+def _absent_block(loaded: LoadedDesign, field: str) -> str:
+    """What a block with this field that the design leaves out does, and how to add it; empty where there is none."""
+    node_at, parts = design_file(loaded.drive.configuration).node_at, tuple(field.split("."))
+    for k in range(1, len(parts) if node_at(parts) else 1):
+        name, node = ".".join(parts[:k]), node_at(parts[:k])
+        if node and value_at(loaded.given, name) is None:
+            example = flow(node["examples"][0])
+            return f"the design has no block {name}: {node['description']}; add it as {name}: {example}"
+    return ""
 
 
 def table_lines(loaded: LoadedDesign, width: int | None = None) -> Iterator[str]:
@@ -166,16 +179,8 @@ def _reason(entry: Explained, rule: SizedValue) -> str:
     return f"given; its rule gives {_short(rule.value)} ({reason})" if entry.given else reason
 
 
-def chain_lines(loaded: LoadedDesign, field: str, width: int | None = None) -> Iterator[str]:
-    """One field with its rule, and below it the fields that the rule reads, down to those that the file gives.
-
-    No line is longer than ``width``.
-    """
-    for line in _chain(loaded, field):
-        yield from filled(line, width)
-
-
 def _chain(loaded: LoadedDesign, field: str) -> Iterator[str]:
+    """One field with its rule, and below it the fields that the rule reads, down to those that the file gives."""
     entry = explain_field(loaded, field)
     yield f"{field} = {_short(entry.value)}"
     if entry.given or entry.record is None:

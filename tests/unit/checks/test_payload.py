@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
+from mbcdm_cad.checks import motors
 from mbcdm_cad.checks.bearings import drum_bearings, drum_reactions_N
-from mbcdm_cad.checks.comparison import CheckResult
+from mbcdm_cad.checks.comparison import CheckResult, families
 from mbcdm_cad.checks.fixings import shaft_stress
-from mbcdm_cad.checks.motors import FAMILIES, backdrive, continuous_torque
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.checks.structure import payload_screws
 from mbcdm_cad.design.blocks import DutyBlock, DutyRow, Payload
@@ -91,7 +91,7 @@ def test_the_joint_slips_by_torque_and_force_and_opens_by_tilt() -> None:
 def test_weight_must_be_held_without_end() -> None:
     arm = Payload(mass_kg=2.0, distance_mm=120.0)
     s = carrying(arm)
-    found = continuous_torque(s)
+    found = motors.continuous_torque(s)
     assert found.limit == pytest.approx(arm.weight_torque_Nm) and found.note == "the payload's weight beside the axis"
     # The duty stays: a drive that carries something does no less all day than one that carries nothing.
     asked = [r.id for r in results(s) if r.id in ("continuous_torque", "gearhead_continuous")]
@@ -154,7 +154,7 @@ loads: {peak_torque_Nm: 0.5, backdrive_Nm: 0.05}
 
 
 def test_a_design_that_asks_for_none_is_told_the_torque() -> None:
-    found = backdrive(layout_of(reference()))
+    found = motors.backdrive(layout_of(reference()))
     back = layout_of(reference()).losses.backdrive
     assert back is not None
     assert found.sense == 0 and found.actual == pytest.approx(back.start_Nm)
@@ -162,8 +162,8 @@ def test_a_design_that_asks_for_none_is_told_the_torque() -> None:
 
 def test_gearheads_that_lock_fail_only_where_back_driving_is_asked() -> None:
     locked = put(reference(), "gearhead.efficiency", 0.5)
-    assert run_check(backdrive, layout_of(locked)).status == "pass"
-    asked = run_check(backdrive, layout_of(put(locked, "loads.backdrive_Nm", 1.0)))
+    assert run_check(motors.backdrive, layout_of(locked)).status == "pass"
+    asked = run_check(motors.backdrive, layout_of(put(locked, "loads.backdrive_Nm", 1.0)))
     assert asked.status == "fail" and "0.5 or below" in asked.message, asked
 
 
@@ -171,7 +171,7 @@ GEARED = HANDLE + "drive: {motor: motor-4.5mNm-17, gearhead: gearhead-76-22}\n"
 
 
 def test_a_handle_learns_what_resists_most() -> None:
-    found = run_check(backdrive, layout_of(load_text(GEARED).drive))
+    found = run_check(motors.backdrive, layout_of(load_text(GEARED).drive))
     assert found.status == "fail" and found.actual is not None and found.actual > 0.05, found
     assert "gearhead" in found.remedy, found.remedy
 
@@ -215,7 +215,7 @@ def test_a_lower_preload_turns_more_easily_where_motor_and_ratio_are_stated() ->
     assert back is not None
     asked = load_text(text.replace("0.05}", f"{0.99 * back.start_Nm:.4g}}}")).drive
     assert asked.cables[0].preload_N < usual.cables[0].preload_N
-    assert run_check(backdrive, layout_of(asked)).status == "pass"
+    assert run_check(motors.backdrive, layout_of(asked)).status == "pass"
 
 
 @pytest.mark.parametrize(
@@ -243,7 +243,7 @@ def test_anchored_cables_get_less_preload_until_one_would_go_slack(layout: str, 
     assert set(failed) == {"backdrive"} and least < less and easiest < share * turned, (least, failed)
 
 
-BY_ID = {check.id: check for check in FAMILIES[1].checks}
+BY_ID = {check.id: check for check in families(motors)[1].checks}
 # Motor without a gearhead, printed.
 LEG = """name: leg
 configuration: siso_spur
