@@ -101,10 +101,6 @@ class Posterior:
         size = np.array([*[1.0] * fit.width, *(self.nuisances[k].offset for k in offsets)])
         return np.asarray(joint[np.ix_(order, order)] * np.outer(size, size))
 
-    def unknown_rad(self, fit: Fit) -> float:
-        """RMS of what the unknown cause does beside a fit, nuisances taken into account."""
-        return float(np.std(self.white.unknown(self.of(fit), self.problem.curves)))
-
     def held_rms(self, fit: Fit) -> float:
         """RMS on the held-out samples, rad."""
         rows = self.fitter.test if self.fitter.test.any() else self.used

@@ -132,7 +132,7 @@ class FewReadings(Runs):
 
     def _untold(self, found: Sequence[Named], left: few_readings.LeftOver | None) -> str:
         """Why errors of a table tell nothing, in words; empty where they do or there are none."""
-        if self.loses_track and (found or left):
+        if self.loses_track and (found or left or self.noise.far_above):
             return few_readings.LOST_TRACK
         return few_readings.HIDDEN_PLAY if self.hides_play and any(one.name == PLAY for one in found) else ""
 

@@ -97,10 +97,6 @@ class Moves(ABC, Generic[SomeFit]):
         return self.rms(fit)
 
     @abstractmethod
-    def unknown_rad(self, fit: SomeFit) -> float:
-        """RMS of what the unknown cause does beside a fit."""
-
-    @abstractmethod
     def named(self, effect: Any, fit: SomeFit, fall: float) -> Named:
         """An effect of a fit with its figures."""
 
@@ -140,11 +136,11 @@ class Moves(ABC, Generic[SomeFit]):
 
     def unexplained(self, fit: SomeFit) -> bool:
         """Whether an unknown cause is certain, and does more than what is too small to name."""
-        return self.certain(fit) and self.unknown_rad(fit) > LEAST_FALL * self.floor_rad
+        return self.left_rad(fit) > LEAST_FALL * self.floor_rad
 
     def left_rad(self, fit: SomeFit) -> float:
-        """RMS of a certain unknown cause beside a fit."""
-        return self.unknown_rad(fit) if self.certain(fit) else 0.0
+        """RMS that a fit leaves above the noise, where an unknown cause is certain."""
+        return float(np.sqrt(max(self.rms(fit) ** 2 - self.floor_rad**2, 0.0))) if self.certain(fit) else 0.0
 
     def additions(self, now: SomeFit) -> list[SomeFit]:
         """Fits of ``now`` with one effect more, most likely first."""

@@ -438,11 +438,6 @@ class ResponseLoop(Moves[ResponseFit]):
         """Error of all averages."""
         return self._rms(fit.weighted)
 
-    def unknown_rad(self, fit: ResponseFit) -> float:
-        """Error that the unknown cause makes beside a fit."""
-        own = self.white.unknown(self.of(fit), self._curves())
-        return self._rms(own[: self.measured.size] + 1j * own[self.measured.size :])
-
     def of(self, fit: ResponseFit) -> Weighed:
         """Evidence of a fit, linear about it."""
         if fit not in self._known:
