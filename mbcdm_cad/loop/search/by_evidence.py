@@ -340,8 +340,10 @@ class Search(Runs):
             ranked = [one for one in ranked if one not in chosen]
             begun += each([partial(self._begun, now, c) for c in chosen])
             begun.sort(key=self.log_of, reverse=True)
-            # All that has the name of the likeliest.
-            chosen = [one for one in ranked if begun and one.effect.name == begun[0].effects[-1].name]
+            # A linear step says little where friction is worked: all names that a set may hold are refitted.
+            least = self.log_of(begun[0]) - evidence.LOG_ODDS
+            names = {one.effects[-1].name for one in begun if self.log_of(one) > least}
+            chosen = [one for one in ranked if one.effect.name in names]
         # Other forms of the likeliest, while one of them is likelier; a term more is taken as an effect more is.
         walked: Fit | None = None
         while begun and begun[0] is not walked:
