@@ -10,15 +10,14 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Check, Comparison, Findings, at_least, at_most, check, check_for
-from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.design_variables import down, downs, up
 from mbcdm_cad.design.bought import Bearing
-from mbcdm_cad.design.catalogue import package_entries
+from mbcdm_cad.design.catalogue import smallest_entry
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.structure import pulley_sections
 from mbcdm_cad.model.equilibrium import BearingLoads
-from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.route import two_bearing_reactions_N
 
 STATIC_SAFETY = 1.0
@@ -28,12 +27,8 @@ BEARING_PLAY_MM = 0.01
 GEARHEAD_PLAY_MM = 0.02
 # Lengths of a pulley between its bearings whose bending is added up.
 _PLACES = 400
-
-
-LESS: tuple[Adjustment, ...] = (down(at.rope.preload_N), down(at.loads.peak_torque_Nm))
+LESS = downs(at.rope.preload_N, at.loads.peak_torque_Nm)
 RATING = "bearing catalogue; static safety 1: bearing makers, normal running"
-
-
 # Of a drive whose input pulleys have bearings of their own, and couple to the motor without belt or gears.
 carried_check = check_for(lambda drive: not drive.overhung)
 coupled_check = check_for(lambda drive: drive.stage is None and not drive.overhung)
@@ -53,16 +48,18 @@ def reactions(s: SectorLayout, on_bodies: Sequence[BearingLoads], wheel: float =
     """As :func:`input_reactions` under these loads, with ``wheel`` times the stage's load at the peak torque."""
     found = []
     for i, name in enumerate(s.drive.input_names):
-        most = np.zeros(2)
+        most, places = np.zeros(2), s.input_bearings_mm(i)
         axis = s.loads.si.routes.inputs[i].axis
         along = 1e-3 * s.levels_sense
-        lower, upper = (z * along for z in s.input_bearings_mm(i))
         for loads in on_bodies:
-            load = loads.inputs[i]
+            load, (lower, upper) = loads.inputs[i], (z * along for z in places)
             pair = two_bearing_reactions_N(load.force_N, load.moment_Nm, load.height_m, lower, upper, axis)
             most = np.maximum(most, np.linalg.norm(pair, axis=1))
         if s.stage is not None:
-            most += wheel * stage_reactions_N(s, i)
+            # The wheel is beyond the lower bearing and pulls in the direction of the cables.
+            force = s.stage.stage.across_N(s.once("stage_torque", stage_torque_Nm))
+            over = (places[0] - s.stage.middle_z) / (places[1] - places[0])
+            most += wheel * np.array([force * (1.0 + over), force * over])
         found.append((name, float(most[0]), float(most[1])))
     return found
 
@@ -74,29 +71,16 @@ def stage_torque_Nm(s: SectorLayout) -> float:
     return max(float(train.output_Nm(motor)), s.loads.highest_input_Nm)
 
 
-def stage_reactions_N(s: SectorLayout, index: int) -> Floats:
-    """Loads of an input's bearings (lower, upper) by the wheel beyond the lower one, in the direction of the cables."""
-    assert s.stage is not None
-    lower, upper = s.input_bearings_mm(index)
-    torque = s.once("stage_torque", stage_torque_Nm)
-    force, over = s.stage.stage.across_N(torque), (lower - s.stage.middle_z) / (upper - lower)
-    return np.array([force * (1.0 + over), force * over])
-
-
-def payload_reactions_N(s: SectorLayout) -> tuple[float, float]:
-    """Largest radial loads of the drum's (rear, front) bearings by the payload, which is in front of both."""
-    rear, front = s.drum_bearings_mm
-    payload, face = s.drive.loads.carried, s.levels.hub_face_y
-    apart = (front - rear) or 1e-9  # two bearings in one place carry no moment: the load is then beyond any limit
-    return tuple(  # type: ignore[return-value]
-        (payload.across_N * (face - other) + payload.tilt_Nm * 1e3) / apart for other in (front, rear)
-    )
-
-
 def drum_reactions_N(s: SectorLayout) -> tuple[float, float]:
     """Largest radial loads of the drum's (rear, front) bearings, the payload pulling the way the cables do."""
-    rear, front = (y * 1e-3 for y in s.drum_bearings_mm)
-    most = [0.0, 0.0]
+    payload, (rear_mm, front_mm) = s.drive.loads.carried, s.drum_bearings_mm
+    apart = (front_mm - rear_mm) or 1e-9  # two bearings in one place carry no moment: the load is beyond any limit
+    # The payload is in front of both.
+    behind, before = (
+        (payload.across_N * (s.levels.hub_face_y - other) + payload.tilt_Nm * 1e3) / apart
+        for other in (front_mm, rear_mm)
+    )
+    rear, front, most = rear_mm * 1e-3, front_mm * 1e-3, [0.0, 0.0]
     for on_bodies in s.loads.on_bodies:
         force, moment = on_bodies.drum.force_N, on_bodies.drum.moment_Nm
         # Moments about the rear bearing, with y x F = (y Fz, 0, -y Fx): the front bearing balances them.
@@ -105,7 +89,6 @@ def drum_reactions_N(s: SectorLayout) -> tuple[float, float]:
         on_rear = force - on_front
         loads = (float(np.hypot(on_rear[0], on_rear[2])), float(np.hypot(on_front[0], on_front[2])))
         most = [max(a, b) for a, b in zip(most, loads, strict=True)]
-    behind, before = payload_reactions_N(s)
     return most[0] + behind, most[1] + before
 
 
@@ -145,12 +128,10 @@ def larger(s: SectorLayout, finding: Comparison) -> str:
     own, field = _NAMED.get(word, (word, f"{word}.bearing"))
     chosen = getattr(s.drive.bearings, own)
     needed = chosen.static_rating_N / finding.actual * finding.limit
-    same = [
-        (entry["mass_g"], other)
-        for other, entry in package_entries("bearings").items()
-        if entry["bore_mm"] == chosen.bore_mm and entry["static_rating_N"] >= needed
-    ]
-    such = f", such as {min(same)[1]} of the same bore" if same else ""
+    same = smallest_entry(
+        "bearings", "mass_g", lambda e: e["bore_mm"] == chosen.bore_mm and e["static_rating_N"] >= needed
+    )
+    such = f", such as {same} of the same bore" if same else ""
     return f"choose {'an' if field[0] in 'aeiou' else 'a'} {field} of static rating {needed:.4g} N or more{such}"
 
 

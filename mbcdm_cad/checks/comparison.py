@@ -11,8 +11,6 @@ from mbcdm_cad.checks.design_variables import Adjustment
 
 # Tolerance for rounding errors, so that a gap that equals its limit exactly passes.
 TOLERANCE = 1e-9
-
-
 # A figure below this is the rounding error of an exact zero, and one below this share of its limit as well.
 NOTHING, SHARE_OF_NOTHING = 1e-11, 1e-6
 
@@ -156,25 +154,33 @@ def check_for(applies: Callable[[Any], bool]) -> Callable[..., Maker]:
 
 
 class Family(NamedTuple):
-    """Checks that are run and shown together; ``text`` says what they compare."""
+    """Checks that are run and shown together; ``text`` says what they compare.
+
+    One without checks is a heading: it has the checks that follow it in its module.
+    """
 
     text: str
-    checks: tuple[Check, ...]
+    checks: tuple[Check, ...] = ()
 
 
 def families(*found: Family | ModuleType) -> tuple[Family, ...]:
-    """Families in their order; a module gives its ``FAMILIES``, or is one of the checks that are written in it."""
+    """Families in their order; a module gives its ``FAMILIES``, or those of the checks that are written in it."""
     return tuple(
         family
         for one in found
-        for family in ((one,) if isinstance(one, Family) else getattr(one, "FAMILIES", None) or (_own(one),))
+        for family in ((one,) if isinstance(one, Family) else getattr(one, "FAMILIES", None) or _own(one))
     )
 
 
-def _own(module: ModuleType) -> Family:
-    """The checks of a module in its order, under the first line of its docstring."""
-    own = tuple(c for c in vars(module).values() if isinstance(c, Check) and c.measure.__module__ == module.__name__)
-    return Family((module.__doc__ or "").strip().split("\n")[0], getattr(module, "CHECKS", own))
+def _own(module: ModuleType) -> Iterator[Family]:
+    """The checks of a module in its order, under its headings, or under the first line of its docstring."""
+    text, checks = (module.__doc__ or "").strip().split("\n")[0], dict[str, list[Check]]()
+    for one in getattr(module, "CHECKS", vars(module).values()):
+        if isinstance(one, Family):
+            text = one.text
+        elif isinstance(one, Check) and (hasattr(module, "CHECKS") or one.measure.__module__ == module.__name__):
+            checks.setdefault(text, []).append(one)
+    return (Family(text, tuple(own)) for text, own in checks.items())
 
 
 Status = Literal["pass", "warn", "fail"]

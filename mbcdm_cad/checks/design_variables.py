@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import fields, replace
 from functools import reduce
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.paths import at
@@ -58,23 +58,20 @@ def downs(*paths: str) -> tuple[Adjustment, ...]:
     return tuple(map(down, paths))
 
 
-def _read(drive: Drive, names: list[str]) -> Any:
-    return reduce(getattr, names, cast(Any, drive))
+def _set_in(block: Any, names: list[str], value: float) -> Any:
+    inner = value if len(names) == 1 else _set_in(getattr(block, names[0]), names[1:], value)
+    return replace(block, **{names[0]: inner})
 
 
 def field(path: str, attributes: str = "", *, asked: bool = False) -> DesignVariable:
     """A number of the drive; ``attributes`` is where the drive holds it, if not under ``path``."""
     names = (attributes or path).split(".")
-
-    def put(drive: Drive, value: float) -> Drive:
-        def set_in(block: Any, rest: list[str]) -> Any:
-            inner = value if len(rest) == 1 else set_in(getattr(block, rest[0]), rest[1:])
-            return replace(block, **{rest[0]: inner})
-
-        changed: Drive = set_in(drive, names)
-        return changed
-
-    return DesignVariable(path, lambda drive: float(_read(drive, names)), put, asked=asked)
+    return DesignVariable(
+        path,
+        lambda drive: float(reduce(getattr, names, drive)),
+        lambda drive, value: _set_in(drive, names, value),
+        asked=asked,
+    )
 
 
 def lengths(block: str, kind: Any) -> Iterator[DesignVariable]:
@@ -86,15 +83,18 @@ def radii(path: str, attributes: tuple[str, ...]) -> DesignVariable:
     """A factor on the radii of all cables that ``attributes`` names."""
 
     def put(drive: Drive, factor: float) -> Drive:
-        cables = (replace(c, **{name: getattr(c, name) * factor for name in attributes}) for c in drive.cables)
-        return replace(drive, cables=tuple(cables))
+        return _of_cables(drive, lambda c: {name: getattr(c, name) * factor for name in attributes})
 
     return DesignVariable(path, lambda drive: 1.0, put, scale=True, asked=True)
 
 
+def _of_cables(drive: Drive, changes: Callable[[Any], dict[str, Any]]) -> Drive:
+    return replace(drive, cables=tuple(replace(cable, **changes(cable)) for cable in drive.cables))
+
+
 def _preload(drive: Drive, value: float) -> Drive:
     factor = value / drive.cables[0].preload_N
-    return replace(drive, cables=tuple(replace(c, preload_N=c.preload_N * factor) for c in drive.cables))
+    return _of_cables(drive, lambda c: {"preload_N": c.preload_N * factor})
 
 
 def by_path(variables: Iterable[DesignVariable]) -> dict[str, DesignVariable]:
@@ -102,17 +102,11 @@ def by_path(variables: Iterable[DesignVariable]) -> dict[str, DesignVariable]:
     return {variable.path: variable for variable in variables}
 
 
-def _put_ratio(drive: Any, value: float) -> Drive:
-    cables = tuple(replace(c, input_radius_mm=c.drum_radius_mm / value) for c in drive.cables)
-    changed: Drive = replace(drive, cables=cables)
-    return changed
-
-
 # Of a drive whose input turns the drum itself.
 INPUT_TO_DRUM = DesignVariable(
     at.transmission.input_to_drum,
     lambda drive: drive.total_ratio,
-    _put_ratio,
+    lambda drive, value: _of_cables(drive, lambda c: {"input_radius_mm": c.drum_radius_mm / value}),
     applies=lambda drive: not drive.radii_explicit,
 )
 DRUM = tuple(

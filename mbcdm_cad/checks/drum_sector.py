@@ -21,11 +21,7 @@ STOP_WINDOW_DEG = 0.5
 THIN_SHAFT_MM = 5.0
 # Height of the spigot over the shaft, so that it rests on the bearing's inner ring.
 SPIGOT_MM = 0.3
-
-
 _WALL = "material: min_wall_mm"
-
-
 stop_check = check_for(lambda drive: drive.stopped)
 
 

@@ -2,14 +2,14 @@
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from math import hypot, pi, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
 from mbcdm_cad.checks.bearings import carried_check, drum_reactions_N, reactions
 from mbcdm_cad.checks.comparison import Comparison, Findings, check, noted
-from mbcdm_cad.checks.design_variables import Adjustment, down, downs, up
+from mbcdm_cad.checks.design_variables import down, downs, up
 from mbcdm_cad.checks.drum_sector import stop_check
 from mbcdm_cad.checks.strength import rated_input_Nm
 from mbcdm_cad.design.bought import Material, Screw
@@ -17,7 +17,6 @@ from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.model.equilibrium import BearingLoads, bearing_loads, solve_equilibrium
 from mbcdm_cad.model.si import ModelError
-from mbcdm_cad.parts.coupling import CollarDims
 from mbcdm_cad.parts.fits import PLASTIC_SHARE, clamp_force_N
 from mbcdm_cad.routes import Floats
 
@@ -32,9 +31,7 @@ CLAMP_SAFETY = 1.8
 STRESS_SAFETY = 1.5
 # Friction of a greased small bearing, of its mean diameter (bearing makers).
 BEARING_FRICTION = 0.0015
-
-
-_LESS: tuple[Adjustment, ...] = (down("loads.peak_torque_Nm"),)
+_LESS = down("loads.peak_torque_Nm")
 
 
 def lasting_MPa(material: Material) -> float:
@@ -59,16 +56,10 @@ def bent_axle_Nmm(forces_N: Floats, at_mm: Sequence[float], ends_mm: tuple[float
     return float(moments.max()), on_far
 
 
-def grip_Nmm(collar: CollarDims, screw: Screw, shaft_mm: float) -> float:
-    """Torque that a clamp collar holds on a shaft: F (1 + a/h) pressed on, mu N d; see :func:`collar_grip`."""
-    hinge = (collar.bore_radius + collar.radius) / 2
-    return FRICTION * clamp_force_N(screw.thread_mm) * (1 + collar.screw_offset / hinge) * shaft_mm
-
-
 @carried_check(
     "Clamp collars hold the torque",
     "mu N d; class 8.8 at 0.7 of yield, mu 0.15: usual values",
-    *_LESS,
+    _LESS,
     advice="choose a drive.gearhead with a thicker shaft",
     unit="times",
 )
@@ -80,7 +71,9 @@ def collar_grip(s: SectorLayout) -> Findings:
     deforms ring and slit journal is covered by the safety factor.
     """
     drive, collar = s.drive, s.collar
-    holds = grip_Nmm(collar, drive.screw(collar.screw), drive.clamped_mm)
+    hinge = (collar.bore_radius + collar.radius) / 2
+    clamp_N = clamp_force_N(drive.screw(collar.screw).thread_mm)
+    holds = FRICTION * clamp_N * (1 + collar.screw_offset / hinge) * drive.clamped_mm
     needed = s.loads.highest_input_Nm * 1e3
     what = f"clamp collar holds {holds:.4g} N mm over the input's {needed:.4g} N mm"
     yield what, holds / max(needed, 1e-9), CLAMP_SAFETY
@@ -115,16 +108,10 @@ def stalled_Nm(s: SectorLayout) -> float:
     """
     ratio = sum(o.drum_radius_mm / o.input_radius_mm for o in s.steps) / len(s.steps)
     torque = rated_input_Nm(s) if s.drive.servo is None else s.drive.reduction.rated_torque_mNm * 1e-3
-    return at_stop_Nm(s.drive.loads.peak_torque_Nm, torque, ratio, len(s.inputs))
+    return max(s.drive.loads.peak_torque_Nm, torque * ratio * len(s.inputs))
 
 
-def at_stop_Nm(peak_Nm: float, input_Nm: float, ratio: float, inputs: int) -> float:
-    """The peak torque, or the torque on the drum of all inputs stalled, each at this torque, if that is more."""
-    return max(peak_Nm, input_Nm * ratio * inputs)
-
-
-@dataclass(frozen=True, eq=False)
-class Strongest:
+class Strongest(NamedTuple):
     """The largest loads that a drive meets: no load, peak torque and motors stalled at the stop, both ways.
 
     ``over_peak``: the torque of the stalled motors over the peak torque.
@@ -168,7 +155,7 @@ def stop_pin(s: SectorLayout) -> Findings:
 @carried_check(
     "Stress in the input pulleys' necks",
     "beam theory; 1.5 on yield: usual rule",
-    *_LESS,
+    _LESS,
     down("rope.preload_N"),
     advice="choose an input_pulleys.lower_bearing and upper_bearing of larger bore",
     unit="times",
@@ -200,7 +187,7 @@ def pulley_stress(s: SectorLayout) -> Findings:
     "Stress in the drum's shaft",
     "beam theory; 1.5 on yield: usual rule",
     down("drum.shaft_bore_mm"),
-    *_LESS,
+    _LESS,
     down("rope.preload_N"),
     advice="choose a larger drum.bearing, whose bore the shaft has",
     unit="times",

@@ -202,16 +202,7 @@ def in_pieces(points: np.ndarray) -> Sampled:
 
 
 def nearest_mm(a: Sampled, b: Sampled, step: float) -> float:
-    """Lower bound of the distance, mm, between two lines sampled every ``step``, the parts between samples included."""
-    return sqrt(max(_least_squared(a, b) - step**2 / 2, 0.0))
-
-
-def _squared(vectors: np.ndarray) -> np.ndarray:
-    return np.asarray(np.einsum("...x,...x->...", vectors, vectors))
-
-
-def _least_squared(a: Sampled, b: Sampled) -> float:
-    """Least squared distance between two rows of points.
+    """Lower bound of the distance, mm, between two lines sampled every ``step``, the parts between samples included.
 
     Only points of pieces whose enclosing spheres are near enough are compared: at most a twentieth of all pairs.
     """
@@ -219,7 +210,12 @@ def _least_squared(a: Sampled, b: Sampled) -> float:
     reach = a.radius[:, None] + b.radius[None, :]
     # The small share is for rounding.
     first, second = np.nonzero(between - reach <= (between + reach).min() * (1.0 + 1e-9))
-    return float(_squared(a.pieces[first][:, :, None, :] - b.pieces[second][:, None, :, :]).min())
+    squared = float(_squared(a.pieces[first][:, :, None, :] - b.pieces[second][:, None, :, :]).min())
+    return sqrt(max(squared - step**2 / 2, 0.0))
+
+
+def _squared(vectors: np.ndarray) -> np.ndarray:
+    return np.asarray(np.einsum("...x,...x->...", vectors, vectors))
 
 
 @check("Gaps between cables", "derived; 0.1 mm: estimate")

@@ -1,8 +1,9 @@
 """Input pulley, its stops and its coupling: bores, walls, and room for the parts on and around it."""
 
 from mbcdm_cad.checks.bearings import carried_check, coupled_check
-from mbcdm_cad.checks.comparison import Check, Comparison, Findings, at_least, at_most, check, noted
-from mbcdm_cad.checks.design_variables import Adjustment, down, up, ups
+from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check, noted
+from mbcdm_cad.checks.design_variables import down, up, ups
+from mbcdm_cad.checks.ratios import GENTLER
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.coupling import collar_width_mm
@@ -20,8 +21,8 @@ GRIP_DIAMETERS = 1.0
 DEAD_TURNS = 0.5
 # Clearance for a part during assembly (estimate).
 PASSAGE_MM = 0.1
-
-
+# What makes the input pulleys larger, or the rope thinner, under the names that it has in the layouts.
+_WIDER = (up(at.transmission.input_radii_mm), *GENTLER)
 _CHOOSE = "choose another input_pulleys.lower_bearing or drive.gearhead, or an input_pulleys.material of thinner walls"
 
 
@@ -42,7 +43,7 @@ def _of_thinner_walls(s: SectorLayout) -> str:
     return "choose steel or brass for input_pulleys.material" if own.min_wall_mm > steel.min_wall_mm else ""
 
 
-@check("Wall outside the stops' pockets", "material: min_wall_mm", advice=_of_thinner_walls)
+@check("Wall outside the stops' pockets", "material: min_wall_mm", *_WIDER, advice=_of_thinner_walls)
 def stop_pocket_wall(s: SectorLayout) -> Findings:
     """Wall between the corner of a stop's pocket and the surface of the land."""
     limit = s.drive.pulley_material.min_wall_mm
@@ -64,7 +65,7 @@ def stop_pocket_floor(s: SectorLayout) -> Findings:
         yield f"metal between the stops of {p.name}", high.chord_z - deep - (low.chord_z + deep), limit
 
 
-@check("Metal between stops and shaft bore", "material: min_wall_mm")
+@check("Metal between stops and shaft bore", "material: min_wall_mm", *_WIDER)
 def stop_pocket_bore(s: SectorLayout) -> Findings:
     """Wall between a stop's pocket and the bore for the gearhead's shaft, or between the pockets and the bore's end."""
     limit = s.drive.pulley_material.min_wall_mm
@@ -85,6 +86,7 @@ def bore_wall(s: SectorLayout) -> Findings:
 @carried_check(
     "Shoulders for the input pulleys' bearings",
     "bearing catalogue; 0.3 mm: estimate",
+    *_WIDER,
     advice="choose a smaller input_pulleys.lower_bearing or upper_bearing",
 )
 def bearing_shoulders(s: SectorLayout) -> Findings:
@@ -204,24 +206,7 @@ def coupling_height(s: SectorLayout) -> Findings:
     )
 
 
-def pulley_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
-    """The family; ``wider``: the configuration's variables that make the input pulleys larger."""
-    return (*stop_checks(wider), *coupling_checks(wider))
-
-
-def stop_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
-    """Those of the stops' pockets."""
-    return (stop_pocket_wall.but(adjust=wider), stop_pocket_floor, stop_pocket_bore.but(adjust=wider))
-
-
-def coupling_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
-    """The checks of a pulley without stops: journals, bearings, encoder and coupling."""
-    return (
-        bore_wall,
-        bearing_shoulders.but(adjust=wider),
-        encoder_fit,
-        bought_depth,
-        shaft_grip,
-        pilot_room,
-        coupling_height,
-    )
+STOPS = (stop_pocket_wall, stop_pocket_floor, stop_pocket_bore)
+# Of a pulley without stops: journals, bearings, encoder and coupling.
+COUPLING = (bore_wall, bearing_shoulders, encoder_fit, bought_depth, shaft_grip, pilot_room, coupling_height)
+CHECKS = (*STOPS, *COUPLING)

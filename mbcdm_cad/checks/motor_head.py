@@ -6,7 +6,7 @@ from mbcdm_cad.checks.bearings import carried_check
 from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check
 from mbcdm_cad.checks.design_variables import down, up, ups
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, corner_gap, web_between
-from mbcdm_cad.design.bought import Encoder, Screw
+from mbcdm_cad.design.bought import Encoder
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.sector import HeadLayout
 from mbcdm_cad.parts.boss import EAR_WALL_MM, BossDims
@@ -29,27 +29,20 @@ def engagement(s: HeadLayout) -> Findings:
     drive, f = s.drive, s.frame
     gear, encoder, ring = (drive.screw(item.screw) for item in (drive.gearhead, drive.encoder, drive.drum_encoder))
     hub = drive.screw(s.drum.set_screw)
-    engaged = (
-        (
-            f"{drive.mounted} screw",
-            gear,
-            gear.length_mm - (drive.support.motor_shelf_mm if drive.servo is None else drive.servo.ear_mm),
-        ),
-        *(
-            ("encoder screw", encoder, encoder.length_mm - (drive.support.encoder_shelf_mm - f.encoder_head_depth))
-            for _ in range(not drive.encoder.absent)
-        ),
-        *(("drum encoder's screw", ring, f.boss.screw_depth - 0.5) for _ in range(not drive.drum_encoder.absent)),
-        ("hub's set screw", hub, min(hub.length_mm, s.drum.hub_radius - s.drum.set_screw_radius)),
-        *(_in_collar(s) for _ in range(not drive.overhung)),
-    )
+    through = drive.support.motor_shelf_mm if drive.servo is None else drive.servo.ear_mm
+    engaged = [(f"{drive.mounted} screw", gear, gear.length_mm - through)]
+    if not drive.encoder.absent:
+        through = drive.support.encoder_shelf_mm - f.encoder_head_depth
+        engaged.append(("encoder screw", encoder, encoder.length_mm - through))
+    if not drive.drum_encoder.absent:
+        engaged.append(("drum encoder's screw", ring, f.boss.screw_depth - 0.5))
+    engaged.append(("hub's set screw", hub, min(hub.length_mm, s.drum.hub_radius - s.drum.set_screw_radius)))
+    if not drive.overhung:
+        screw = drive.screw(s.collar.screw)
+        inside = screw.length_mm - s.collar.head_seat - s.collar.slit_width / 2
+        engaged.append(("collar's screw", screw, inside))
     for name, screw, length in engaged:
         yield f"engaged length of the {name} over its diameter", length - screw.thread_mm, 0.0
-
-
-def _in_collar(s: HeadLayout) -> tuple[str, Screw, float]:
-    screw, c = s.drive.screw(s.collar.screw), s.collar
-    return "collar's screw", screw, screw.length_mm - c.head_seat - c.slit_width / 2
 
 
 @check(

@@ -5,15 +5,13 @@ rotation of the drum. Where ``limits.losses`` is ``counted``, all checks count t
 bearings; where it is ``paper``, losses only give the warning ``motor_losses``.
 """
 
-from collections.abc import Iterator
-from functools import partial
 from math import ceil, degrees, isfinite
 
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Comparison, Family, at_least, at_most, check, noted, worst
 from mbcdm_cad.checks.design_variables import down, downs
-from mbcdm_cad.checks.run import floored, rounded
+from mbcdm_cad.checks.run import rounded
 from mbcdm_cad.checks.strength import balanced_preloads, rated_input_Nm
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import Layout, NoFigureError
@@ -32,10 +30,12 @@ COUNT_THEM = (
 )
 STRONGER_GEARHEAD = "choose a stronger drive.gearhead, state what the drive does all day as loads.duty,"
 _WORDS = {1: "+", -1: "-"}
+_LESS = down(at.loads.peak_torque_Nm)
 
-
-_LESS = (down(at.loads.peak_torque_Nm),)
-_EASIER = (down(at.rope.preload_N), down(at.transmission.input_to_drum))
+AT_PEAK = Family(
+    "Motor and gearhead at peak torque in both directions: the bias torque of the preload helps one and hinders the "
+    "other."
+)
 
 
 def saturation_Nm(s: Layout, limit_Nm: float, direction: int) -> tuple[float, str]:
@@ -85,13 +85,13 @@ def _stronger(s: Layout, found: Comparison) -> str:
     return f"choose a motor of about {needed} mN m or more, or a gearhead of higher ratio or efficiency{raised}"
 
 
-@check("Motors hold peak torque, load +", "model, paper section 5.1; limits.losses", *_LESS, advice_on=_stronger)
+@check("Motors hold peak torque, load +", "model, paper section 5.1; limits.losses", _LESS, advice_on=_stronger)
 def motor_torque_forward(s: Layout) -> Comparison:
     """The motors hold peak torque in this direction at their rated torque, with losses as ``limits.losses`` says."""
     return motor_torque(s, 1)
 
 
-@check("Motors hold peak torque, load -", "model, paper section 5.1; limits.losses", *_LESS, advice_on=_stronger)
+@check("Motors hold peak torque, load -", "model, paper section 5.1; limits.losses", _LESS, advice_on=_stronger)
 def motor_torque_back(s: Layout) -> Comparison:
     """The motors hold peak torque in this direction at their rated torque, with losses as ``limits.losses`` says."""
     return motor_torque(s, -1)
@@ -100,7 +100,7 @@ def motor_torque_back(s: Layout) -> Comparison:
 @check(
     "Gearhead's intermittent rating at peak torque",
     "gearhead catalogue",
-    *_LESS,
+    _LESS,
     advice="choose a stronger drive.gearhead",
 )
 def gearhead_maximum(s: Layout) -> Comparison:
@@ -131,7 +131,7 @@ def _raised(s: Layout, what: str, output_Nm: float, direction: int, note: str) -
 
 def _count_losses(_: Layout, found: Comparison) -> str:
     reached = found.actual
-    return f"{COUNT_THEM} or lower loads.peak_torque_Nm to at most {floored(reached)}" if reached > 0.0 else COUNT_THEM
+    return f"{COUNT_THEM} or lower loads.peak_torque_Nm to at most {rounded(reached)}" if reached > 0.0 else COUNT_THEM
 
 
 @check(
@@ -176,14 +176,14 @@ def _lower_ratio(s: Layout) -> str:
     if not share * holds >= 1.0:
         return ""
     ratio = float(s.loads.si.input_turns.max())
-    return f"lower the ratio of drum to input radius from {ratio:.4g} to about {floored(share * ratio)}, or "
+    return f"lower the ratio of drum to input radius from {ratio:.4g} to about {rounded(share * ratio)}, or "
 
 
 def _less_often(_: Layout, found: Comparison) -> str:
     """Advice where the duty asks more of the gearhead than it keeps up."""
     if found.actual <= 0.0 or found.limit <= 0.0:
         return f"{STRONGER_GEARHEAD} or lower loads.peak_torque_Nm"
-    most = floored(100.0 * found.actual / found.limit)
+    most = rounded(100.0 * found.actual / found.limit)
     return f"{STRONGER_GEARHEAD} or lower the loads of the duty to at most {most} % of what they are"
 
 
@@ -208,7 +208,7 @@ def gearhead_continuous(s: Layout) -> Comparison:
 @check(
     "Drum turned from its side",
     "loads.backdrive_Nm; friction by cause: docs/losses.md",
-    *_EASIER,
+    *downs(at.rope.preload_N, at.transmission.input_to_drum),
     advice=_easier_to_turn,
 )
 def backdrive(s: Layout) -> Comparison:
@@ -229,20 +229,15 @@ def backdrive(s: Layout) -> Comparison:
     return at_most(what, found.start_Nm, wanted, "N m", note)
 
 
-def continuous_limits(s: Layout) -> Iterator[Comparison]:
-    """Drum torque that motors and gearheads keep up, each in both directions, losses as ``limits.losses`` says."""
-    for direction in (1, -1):
-        yield motor_torque(s, direction)
-    if not s.drive.gearhead.absent:
-        yield gearhead_continuous(s)
-
-
 def _mounted(s: Layout, rating: str, limit_Nm: float, note: str = "") -> Comparison:
     """Drum torque at a rating at the inputs, in the worse direction."""
     what = f"{s.drive.mounted}'s {rating}"
     if not s.drive.limits.counts_losses:
         return worst(_against_peak(s, what, limit_Nm, sign, note) for sign in (1, -1))
     return worst(_raised(s, what, limit_Nm, sign, note) for sign in (1, -1))
+
+
+FOR_LONG = Family("What the drive does for long: continuous torque, speed, temperatures of its motors over the duty.")
 
 
 def _longer(s: Layout, found: Comparison) -> str:
@@ -256,7 +251,7 @@ def _longer(s: Layout, found: Comparison) -> str:
     needed = rounded(s.drive.gearhead.rated_torque_mNm * share, ceil)
     return (
         f"choose a {s.drive.mounted} of about {needed} mN m or more continuously, or lower loads.continuous_torque_Nm "
-        f"to at most {floored(found.actual)}"
+        f"to at most {rounded(found.actual)}"
     )
 
 
@@ -272,11 +267,10 @@ def continuous_torque(s: Layout) -> Comparison:
     loads = s.drive.loads
     wanted, stated = float(loads.lasting_Nm or 0.0), float(loads.continuous_torque_Nm or 0.0)
     note = at.loads.continuous_torque_Nm if stated >= wanted else "the payload's weight beside the axis"
-    return worst(found._replace(limit=wanted, note=note) for found in continuous_limits(s))
-
-
-def _asked(field: str, drive: object) -> bool:
-    return getattr(getattr(drive, "loads", None), field) is not None
+    limits = [motor_torque(s, direction) for direction in (1, -1)]
+    if not s.drive.gearhead.absent:
+        limits.append(gearhead_continuous(s))
+    return worst(found._replace(limit=wanted, note=note) for found in limits)
 
 
 @check(
@@ -284,7 +278,7 @@ def _asked(field: str, drive: object) -> bool:
     "loads.speed_deg_s; motor catalogue: constant, resistance, voltage",
     *downs(at.transmission.input_to_drum, at.loads.speed_deg_s),
     advice="choose a gearhead of lower ratio, a higher drive.bus_voltage_V or a faster motor",
-    applies=partial(_asked, "speed_deg_s"),
+    applies=lambda drive: drive.loads.speed_deg_s is not None,
 )
 def speed(s: Layout) -> Comparison:
     """Speed that the drum reaches at the bus voltage against the continuous torque, or the peak torque without one."""
@@ -319,7 +313,7 @@ def _cooler(s: Layout) -> str:
     needed = rounded(s.drive.motor.rated_torque_mNm / low, ceil)
     return (
         f"choose a motor of about {needed} mN m or more or a gearhead of higher ratio, or lower the torques in "
-        f"loads.duty to at most {floored(low * 100.0)} % of what they are"
+        f"loads.duty to at most {rounded(low * 100.0)} % of what they are"
     )
 
 
@@ -327,7 +321,7 @@ def _cooler(s: Layout) -> str:
     "Windings over the duty",
     "loads.duty; two-node model: docs/heat.md",
     advice=_cooler,
-    applies=partial(_asked, "duty"),
+    applies=lambda drive: drive.loads.duty is not None,
 )
 def duty(s: Layout) -> Comparison:
     """Hottest winding in the cycle that repeats, against the limit of its insulation."""
@@ -381,16 +375,3 @@ def seat_temperature(s: Layout) -> Comparison:
             what, day.housing_C, "C", f"{note}; no loads.duty in the file, assumed: {'; '.join(s.duty.assumed)}"
         )
     return at_most(what, day.housing_C, float(material.seat_limit_C or 0.0), "C", note)
-
-
-FAMILIES = (
-    Family(
-        "Motor and gearhead at peak torque in both directions: the bias torque of the preload helps one and hinders "
-        "the other.",
-        (motor_torque_forward, motor_torque_back, gearhead_maximum, motor_losses, gearhead_continuous, backdrive),
-    ),
-    Family(
-        "What the drive does for long: continuous torque, speed, temperatures of its motors over the duty.",
-        (continuous_torque, speed, duty, seat_temperature),
-    ),
-)

@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.checks.comparison import Check, Comparison, Findings, at_least, at_most, check, shown, worst
-from mbcdm_cad.checks.design_variables import Adjustment, down, up
-from mbcdm_cad.checks.run import floored
+from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check, shown, worst
+from mbcdm_cad.checks.design_variables import down, downs, up
+from mbcdm_cad.checks.run import rounded
 from mbcdm_cad.design.drive import CableRun
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.layouts.sector import SectorLayout
@@ -85,8 +86,8 @@ EFFICIENCY = (0.86, 0.89, 0.91, 0.95)
 LOW_LIFE_RATIO = 16.0
 # A static cable bent round a pin keeps about four fifths of its strength at D/d = 6 (rope makers' tables).
 ANCHOR_RATIO = 6.0
-
-
+# What makes the bends gentler, under the names that it has in the layouts.
+GENTLER = (*downs(at.transmission.input_to_drum, "rope diameter_mm"), up("all radii of transmission"))
 _EFFICIENCY = "rope catalogue; efficiency 95/91/89/86 % at D/d 40/20/15/10"
 
 
@@ -105,7 +106,7 @@ def _cost(ratio: float) -> str:
     return f"{strength_efficiency(ratio):.1%} of the breaking load left{life}"
 
 
-@check("Bend ratio at every pulley", "limits.bend_ratio_min; paper Table 1")
+@check("Bend ratio at every pulley", "limits.bend_ratio_min; paper Table 1", *GENTLER)
 def bend_ratio(s: Layout) -> Comparison:
     """Pitch diameter over cable diameter is compared with the limit of the design."""
     limit = s.drive.limits.bend_ratio_min
@@ -116,7 +117,7 @@ def _thinner_or_larger(s: Layout, found: Comparison) -> str:
     """Advice for a bend ratio below the catalogue: a thinner rope or larger radii."""
     share = found.limit / found.actual
     return (
-        f"a rope of at most {floored(s.drive.cable.diameter_mm / share)} mm, or all radii {share:.4g} times as large; "
+        f"a rope of at most {rounded(s.drive.cable.diameter_mm / share)} mm, or all radii {share:.4g} times as large; "
         "else inspect the cables often"
     )
 
@@ -148,7 +149,7 @@ def bend_ratio_desired(s: Layout) -> Comparison:
     return worst(at_least(name, ratio, limit, "D/d", _cost(ratio)) for name, ratio in _ratios(s))
 
 
-@check("Standing bend at the cable's stop", "rope makers' tables, interpolated: estimate", unit="D/d")
+@check("Standing bend at the cable's stop", "rope makers' tables, interpolated: estimate", *GENTLER, unit="D/d")
 def anchor_bend(s: SectorLayout) -> Findings:
     """The constant bend of the cable before the swaged stop inside the input pulley."""
     slots = {slot.cable_name: slot for pulley in s.inputs for slot in pulley.slots}
@@ -157,6 +158,4 @@ def anchor_bend(s: SectorLayout) -> Findings:
         yield f"D/d of the bend at the stop of {c.name}", ratio, ANCHOR_RATIO
 
 
-def bending_checks(adjust: tuple[Adjustment, ...]) -> tuple[Check, ...]:
-    """The checks; ``adjust``: the configuration's variables that increase the bending radii."""
-    return (bend_ratio.but(adjust=adjust), bend_ratio_minimum, bend_ratio_desired)
+BENDING = (bend_ratio, bend_ratio_minimum, bend_ratio_desired)

@@ -6,6 +6,7 @@ tried on the design. Only the one check is evaluated; the next run shows the eff
 
 import warnings
 from collections.abc import Callable, Collection, Iterable
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import ceil, floor, inf, isfinite, log10
 from typing import NamedTuple
@@ -37,31 +38,25 @@ class Offer(NamedTuple):
     asked: bool
 
 
+@dataclass(eq=False)
 class Budget:
     """Number of trials that all remedies of one run may take; not a time, so that results do not depend on speed.
 
-    ``asked`` tells the fields that the file requires, which are named last; it is called when a value is first searched
-    for, since it loads all sizing rules. ``offers`` holds the values found, by check: at most ``most`` each, and none
+    ``requires`` tells the fields that the file asks for, named last; it is called when a value is first searched for,
+    since it loads all sizing rules. ``offers`` holds the values found, by check: at most ``most`` each, and none
     for a check that only warns unless ``warnings``.
     """
 
-    def __init__(
-        self,
-        trials: int = TRIALS,
-        asked: Callable[[], Collection[str]] = tuple,
-        most: int = MOST_OFFERS,
-        warnings: bool = True,
-    ) -> None:
-        self.left = trials
-        self._asked = asked
-        self.most = most
-        self.warnings = warnings
-        self.offers: dict[str, list[Offer]] = {}
+    left: int = TRIALS
+    requires: Callable[[], Collection[str]] = tuple
+    most: int = MOST_OFFERS
+    warnings: bool = True
+    offers: dict[str, list[Offer]] = field(default_factory=dict)
 
     @cached_property
     def asked(self) -> Collection[str]:
         """Fields that the file requires."""
-        return self._asked()
+        return self.requires()
 
 
 def remedy(check: Check, design: Layout, budget: Budget) -> str:
@@ -72,15 +67,15 @@ def remedy(check: Check, design: Layout, budget: Budget) -> str:
     advice = check.advice(design) if callable(check.advice) else check.advice
     if free or required or advice:
         return " or ".join([*free, *([advice] if advice else []), *required])
-    names = ", ".join(dict.fromkeys(adjustment.path for adjustment in check.adjust))
+    senses: dict[str, str] = {}
+    for path, sign in check.adjust:
+        if path in design.variables:
+            sense = "raise" if sign > 0 else "lower"
+            senses[path] = sense if senses.get(path, sense) == sense else "change"
     if budget.left <= 0:
-        senses: dict[str, str] = {}
-        for a in check.adjust:
-            sense = "raise" if a.sense > 0 else "lower"
-            senses[a.path] = sense if senses.get(a.path, sense) == sense else "change"
         ways = " or ".join(f"{sense} {path}" for path, sense in senses.items())
         return f"{ways}; no value was searched, because too many other checks fail: correct them first"
-    return f"no single one of {names} is enough: change several"
+    return f"no single one of {', '.join(senses)} is enough: change several"
 
 
 def offers(check: Check, design: Layout, budget: Budget) -> tuple[list[str], list[str]]:
@@ -183,13 +178,8 @@ def passing_value(
     return after
 
 
-def floored(value: float) -> str:
-    """A positive value rounded down to the digits that remedies show."""
-    return rounded(value, floor)
-
-
-def rounded(value: float, whole: Callable[[float], int]) -> str:
-    """A positive value rounded by ``whole``, up or down, to the digits that remedies show."""
+def rounded(value: float, whole: Callable[[float], int] = floor) -> str:
+    """A positive value rounded down, or by ``whole``, to the digits that remedies show."""
     unit = 10.0 ** (floor(log10(value)) + 1 - SIGNIFICANT_DIGITS)
     return f"{whole(value / unit) * unit:.{SIGNIFICANT_DIGITS}g}"
 

@@ -5,8 +5,9 @@ from contextlib import suppress
 
 import numpy as np
 
-from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check_for, worst
+from mbcdm_cad.checks.comparison import Comparison, Findings, at_most, check_for
 from mbcdm_cad.checks.design_variables import down, downs, up, ups
+from mbcdm_cad.checks.strength import wound_ends
 from mbcdm_cad.design.bought import SpringSpec
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.drive import CableRun
@@ -14,8 +15,6 @@ from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.springs import spring_start_Nm, spring_turn_urad_Nm, spring_urad_Nm
-from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.si import ModelError
 
 # Play of a spring round its stud, mm: DIN EN 16983 asks for 0.2 on a mandrel of up to 16 mm; with more than the largest
 # (estimate) it sits beside the stud's axis.
@@ -30,8 +29,6 @@ MOST_SPRINGS = 40
 _LONGER = 1.05
 # Further turn of the drum by springs that move, over that of the cables (the share that structure may have).
 MOVED_SHARE = 0.25
-
-
 _spring_check = check_for(lambda drive: drive.spring is not None)
 
 
@@ -50,11 +47,12 @@ def _fitting(s: SectorLayout) -> str:
 
 
 @_spring_check("Springs fit on their studs", "catalogue of springs", advice=_fitting)
-def spring_fits(s: SectorLayout) -> Comparison:
+def spring_fits(s: SectorLayout) -> Findings:
     """The stud passes through the springs with play and leads them."""
     spring, stud = _spring(s), s.drive.tensioner
     play, what = spring.inside_mm - stud.thread_mm, f"play of {spring.name} round the stud of {stud.name}"
-    return worst((at_least(what, play, LEAST_PLAY_MM, "mm"), at_most(what, play, MOST_PLAY_MM, "mm")))
+    yield what, play, LEAST_PLAY_MM
+    yield at_most(what, play, MOST_PLAY_MM, "mm")
 
 
 def _strong(s: SectorLayout) -> str:
@@ -98,13 +96,8 @@ def spring_free(s: SectorLayout) -> Findings:
 def _lowest_shares(s: SectorLayout) -> list[tuple[str, float]]:
     """(cable, lowest tension at its terminal over its preload) at peak torque both ways."""
     _spring(s)
-    peak, d, found = s.drive.loads.peak_torque_Nm, s.loads.si, []
-    for wraps in s.wraps_at_ends_rad:
-        wound = d.with_(**wraps)
-        try:
-            tension = solve_equilibrium(wound, np.array([peak, -peak])).tension_N
-        except ModelError as error:
-            raise NoFigureError(f"the model has no answer: {error}") from None
+    d, found = s.loads.si, []
+    for wound, tension in wound_ends(s, d):
         # Slip that comes to the terminal leaves more tension there than in the span, by friction on the drum.
         eased = np.exp(d.friction_coefficient * wound.drum_wrap_rad)
         lowest = np.minimum(tension.min(axis=1) / d.preload_N * eased, 1.0)

@@ -4,14 +4,15 @@ The generic figure of the life may fail a wanted life, or warn of it; it never s
 (``life_anchor``) does.
 """
 
+from collections.abc import Iterator
 from math import ceil, exp, tau
 
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Comparison, Family, Findings, at_least, at_most, check, noted
 from mbcdm_cad.checks.design_variables import down, downs, up
-from mbcdm_cad.checks.run import floored, rounded
-from mbcdm_cad.design.catalogue import package_entries
+from mbcdm_cad.checks.run import rounded
+from mbcdm_cad.design.catalogue import smallest_entry
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.life import life_of
@@ -19,10 +20,36 @@ from mbcdm_cad.model.capability import SLACK_SHARE, balanced_preload_N, torque_a
 from mbcdm_cad.model.creep import DAY_S, TOLD_C, creeps, relaxation
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.rope_bendings import MOST_BENDINGS
-from mbcdm_cad.model.si import ModelError
+from mbcdm_cad.model.si import DriveSI, ModelError
 
 # Share of an input's rated torque that the preload alone may take (estimate).
 BIAS_SHARE = 0.1
+# Shortest acceptable time between two tensionings (estimate).
+RETENSION_DAYS = 30.0
+_HALVINGS = 12
+_TEST_IT = "not shown: the generic figure shows no life; test the rope and state its life_anchor"
+_ADJUST = (down(at.rope.preload_N), up("all radii of transmission"))
+
+
+def wound_ends(s: Layout, si: DriveSI) -> Iterator[tuple[DriveSI, np.ndarray]]:
+    """The model with the wraps at each end of the travel, and its tensions at the peak torque in both directions.
+
+    Raises ``NoFigureError`` where it has no answer, or where no wrap is known.
+    """
+    peak, ends = s.drive.loads.peak_torque_Nm, s.wraps_at_ends_rad
+    if not ends:
+        raise NoFigureError("the terminals have no place, so that no wrap is known")
+    for wraps in ends:
+        wound = si.with_(**wraps)
+        try:
+            yield wound, solve_equilibrium(wound, np.array([peak, -peak])).tension_N
+        except ModelError as error:
+            raise NoFigureError(f"the model has no answer: {error}") from None
+
+
+UNDER_LOAD = Family(
+    "Cables under load: no cable slack, no cable near breaking, and the torque on each input from the preloads."
+)
 
 
 @check(
@@ -34,32 +61,20 @@ BIAS_SHARE = 0.1
 )
 def no_slack(s: Layout) -> Findings:
     """Lowest tension at peak torque in both directions, at both ends of travel, with the wraps that are left there."""
-    peak = s.drive.loads.peak_torque_Nm
-    si = s.loads.si
-    ends = s.wraps_at_ends_rad
-    if not ends:
-        raise NoFigureError("the terminals have no place, so that no wrap is known")
-    for wraps in ends:
-        try:
-            tension = solve_equilibrium(si.with_(**wraps), np.array([peak, -peak])).tension_N
-        except ModelError as error:
-            raise NoFigureError(f"the model has no answer: {error}") from None
-        for k, c in enumerate(s.drive.cables):
-            low = float(tension[k].min())
-            yield f"lowest tension of {c.name} at +-{peak:g} N m", low, SLACK_SHARE * c.preload_N
+    for _, tension in wound_ends(s, s.loads.si):
+        for c, each in zip(s.drive.cables, tension, strict=True):
+            what = f"lowest tension of {c.name} at +-{s.drive.loads.peak_torque_Nm:g} N m"
+            yield what, float(each.min()), SLACK_SHARE * c.preload_N
 
 
 def _stronger_rope(s: Layout, found: Comparison) -> str:
     """Advice with the breaking load at which the check holds at these tensions, and the weakest rope that has it."""
     rope = s.drive.cable
     least_N = rope.breaking_load_N * max(found.limit / found.actual, found.actual / found.limit)
-    fitting = (
-        (entry["breaking_load_N"], name)
-        for name, entry in package_entries("ropes").items()
-        if entry["construction"] == rope.construction and entry["breaking_load_N"] >= least_N
+    weakest = smallest_entry(
+        "ropes", "breaking_load_N", lambda e: e["construction"] == rope.construction and e["breaking_load_N"] >= least_N
     )
-    weakest = min(fitting, default=None)
-    such = f" (such as {weakest[1]})" if weakest else ""
+    such = f" (such as {weakest})" if weakest else ""
     return f"choose a rope that breaks at {rounded(least_N, ceil)} N or more{such}"
 
 
@@ -145,7 +160,7 @@ def rated_input_Nm(s: Layout) -> float:
 def _less_bias(s: Layout, found: Comparison) -> str:
     """Advice to lower the preload, since the bias grows with it."""
     most = max(c.preload_N for c in s.drive.cables)
-    fitting = floored(BIAS_SHARE / found.actual * most)
+    fitting = rounded(BIAS_SHARE / found.actual * most)
     return f"lower rope.preload_N to at most {fitting} or {balanced_preloads(s)}"
 
 
@@ -181,9 +196,7 @@ def balanced_preloads(s: Layout) -> str:
     )
 
 
-# Shortest acceptable time between two tensionings (estimate).
-RETENSION_DAYS = 30.0
-_HALVINGS = 12
+CREEP = Family("Creep of fibre ropes: how long the preload suffices before the cables must be tensioned again.")
 
 
 def _suffices(s: Layout, share: float) -> bool:
@@ -191,16 +204,14 @@ def _suffices(s: Layout, share: float) -> bool:
     peak = s.drive.loads.peak_torque_Nm
     less = s.loads.si.with_(preload_N=s.loads.si.preload_N * share)
     try:
-        for wraps in s.wraps_at_ends_rad:
-            wound = less.with_(**wraps)
-            tension = solve_equilibrium(wound, np.array([peak, -peak])).tension_N
+        for wound, tension in wound_ends(s, less):
             if np.any(tension < SLACK_SHARE * less.preload_N[:, None]):
                 return False
             if less.through_wrap_rad is None:
                 continue
             if min(float(torque_at_slip_Nm(wound, way).min()) for way in (1, -1)) < peak:
                 return False
-    except ModelError:
+    except (ModelError, NoFigureError):
         return False
     return True
 
@@ -242,10 +253,7 @@ def retension(s: Layout) -> Comparison:
     )
 
 
-_TEST_IT = "not shown: the generic figure shows no life; test the rope and state its life_anchor"
-
-
-_ADJUST = (down(at.rope.preload_N), up("all radii of transmission"))
+LIFE = Family("Life of the cables against the wanted number of cycles.")
 
 
 def _what_helps(s: Layout) -> str:
@@ -302,15 +310,3 @@ def life_shown(s: Layout) -> Comparison:
     if low >= wanted and found.generic:
         return noted(f"{what}, {wanted:g} wanted:", low, "cycles", _TEST_IT)
     return at_least(what, low, wanted, "cycles", found.told)
-
-
-FAMILIES = (
-    Family(
-        "Cables under load: no cable slack, no cable near breaking, and the torque on each input from the preloads.",
-        (no_slack, tension, preload_share, termination_fits, cable_ends, preload_bias),
-    ),
-    Family(
-        "Creep of fibre ropes: how long the preload suffices before the cables must be tensioned again.", (retension,)
-    ),
-    Family("Life of the cables against the wanted number of cycles.", (life, life_shown)),
-)

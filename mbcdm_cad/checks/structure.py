@@ -2,8 +2,8 @@
 
 from math import hypot, pi
 
-from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check, noted, worst
-from mbcdm_cad.checks.design_variables import Adjustment, down, up, ups
+from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check, noted
+from mbcdm_cad.checks.design_variables import down, up, ups
 from mbcdm_cad.checks.fixings import FRICTION, STRESS_SAFETY, lasting_MPa, stalled_Nm
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import PRINTED_WINDUP
@@ -16,9 +16,7 @@ from mbcdm_cad.parts.fits import SHEAR_SHARE, ScrewHold, clamp_force_N, screw_ho
 # Turn of the structure over that of the cables from which on a design that asks for no stiffness is warned of, of metal
 # and where drum or frame is printed: sized by the rules, drives have at most 2.4 and 4.7 (docs/structure.md).
 SOFT, SOFT_PRINTED = 2.5, 5.0
-_LESS: tuple[Adjustment, ...] = (down(at.loads.peak_torque_Nm),)
-
-
+_LESS = down(at.loads.peak_torque_Nm)
 # A material is no number, so that remedies offer none: a search alone takes a stiffer one.
 _METALS = (up(at.support.material), up(at.drum.material))
 
@@ -37,7 +35,7 @@ def _stronger(s: SectorLayout) -> str:
     "Stress in the drum",
     "plane elements and plates, torsion of a tube; 1.5 on yield, 0.4 of it for plastics: usual rule, estimate",
     *ups(at.drum.web_thickness_mm, at.drum.hub_diameter_mm),
-    *_LESS,
+    _LESS,
     advice=_stronger,
 )
 def drum_stress(s: SectorLayout) -> Findings:
@@ -62,31 +60,22 @@ def drum_stress(s: SectorLayout) -> Findings:
     "Payload's screws hold peak torque and payload",
     "mu F r; class 8.8 at 0.7 of yield, mu 0.15, 1.5 on slip: usual values",
     up(at.drum.hub_diameter_mm),
-    *_LESS,
+    _LESS,
     advice="choose a stronger drum.material",
+    unit="times",
 )
-def payload_screws(s: SectorLayout) -> Comparison:
+def payload_screws(s: SectorLayout) -> Findings:
     """The payload neither slips on the hub's face nor opens its joint, under the peak torque and its own load."""
-    joint, circle = (
-        PayloadJoint(
-            s.drum.payload_screw_thread, s.drive.drum_material, s.drum.payload_insert, len(s.drum.payload_places)
-        ),
-        s.drum.payload_circle_radius,
-    )
-    load = joint_load(s.drive.loads.peak_torque_Nm, s.drive.loads.carried)
+    d, drive = s.drum, s.drive
+    joint = PayloadJoint(d.payload_screw_thread, drive.drum_material, d.payload_insert, len(d.payload_places))
+    circle, load = d.payload_circle_radius, joint_load(drive.loads.peak_torque_Nm, drive.loads.carried)
     screws = f"{joint.screws} x M{joint.thread_mm:g} at {joint.clamp_N:.4g} N on a circle of {2 * circle:.4g} mm"
     across = f" and {load.across_N:.4g} N across" if load.across_N > 0.0 else ""
-    slips = at_least(
-        f"{screws} hold {joint.slips_Nm(circle):.4g} N m by friction, over the peak torque of "
-        f"{load.torque_Nm:g} N m{across}",
-        joint.slips_times(load, circle),
-        SLIP_SAFETY,
-        "times",
-    )
-    if load.tilt_Nm == 0.0:
-        return slips
-    what = f"{screws} press the payload on the hub, over the pull on one of them by {load.tilt_Nm:.4g} N m of tilt"
-    return worst((slips, at_least(what, joint.opens_times(load, circle), SLIP_SAFETY, "times")))
+    slips_Nm = f"{joint.slips_Nm(circle):.4g} N m by friction, over the peak torque of {load.torque_Nm:g} N m{across}"
+    yield f"{screws} hold {slips_Nm}", joint.slips_times(load, circle), SLIP_SAFETY
+    if load.tilt_Nm != 0.0:
+        what = f"{screws} press the payload on the hub, over the pull on one of them by {load.tilt_Nm:.4g} N m of tilt"
+        yield what, joint.opens_times(load, circle), SLIP_SAFETY
 
 
 def _mount_advice(s: SectorLayout) -> str:
@@ -103,7 +92,7 @@ def _mount_advice(s: SectorLayout) -> str:
 @check(
     "Mounting screws hold the peak torque",
     "mu F r; class 8.8 at 0.7 of yield, mu 0.15, 1.5 on slip: usual values; inserts: base bears on the brass",
-    *_LESS,
+    _LESS,
     advice=_mount_advice,
     unit="times",
 )

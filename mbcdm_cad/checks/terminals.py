@@ -3,14 +3,15 @@
 from collections.abc import Iterator
 from itertools import combinations
 from math import acos, atan2, degrees, hypot
+from typing import Any
 
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Comparison, Family, Findings, at_most, check, noted
-from mbcdm_cad.checks.design_variables import Adjustment, down, downs, up
+from mbcdm_cad.checks.design_variables import down, downs, up, ups
 from mbcdm_cad.checks.geometry import Points, box_gap, polygon_gap
 from mbcdm_cad.checks.springs import led
-from mbcdm_cad.design.catalogue import package_entries
+from mbcdm_cad.design.catalogue import package_entries, smallest_entry
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
@@ -25,12 +26,20 @@ CORNER_ROOM_MM = 0.1
 # Yield over stress (usual for steady loads on ductile metal).
 STUD_SAFETY = 2.0
 LUG_SAFETY = 2.0
+# A nut engages with all its threads if the stud projects by this many pitches (usual rule).
+THREAD_OUT_PITCHES = 1.0
+# Thread run-out behind the sleeve, in pitches, on which no nut can run.
+RUN_OUT_PITCHES = 2.0
+# A terminal that turns further than this twists the rope while its nut is turned (estimate).
+TWIST_DEG = 20.0
 # Reason why checks between terminals do not apply if each side of the drum has one terminal.
 _ALONE = noted("terminals beside another one", 0.0, "")
-
-
-_ROOM: tuple[Adjustment, ...] = (up("all radii of transmission"), up(at.drum.outer_face_y_mm))
+_ROOM = ups("all radii of transmission", at.drum.outer_face_y_mm)
 _SMALLER = "choose a smaller drum.tensioner"
+
+ON_THE_DRUM = Family(
+    "Terminals on the drum: distance to each other, lands and lugs on solid rim, strength of studs and lugs."
+)
 
 
 def bodies_of(s: SectorLayout, t: Tensioner, moved: bool = True) -> list[tuple[str, Points, float, float]]:
@@ -70,14 +79,13 @@ def _pairs(d: DrumDims) -> Iterator[tuple[Tensioner, Tensioner]]:
 def _fitting_tensioner(s: SectorLayout) -> str:
     """The smallest tensioner of the package whose sleeve takes the rope, and springs that its stud leads."""
     end, d = s.drive.termination, s.drive.cable.diameter_mm
-    fitting = [
-        (entry["swage_diameter_mm"], name)
-        for name, entry in package_entries("tensioners").items()
-        if entry["swage_diameter_mm"] >= end.sleeve_ratio * d
-        and entry["swage_length_mm"] - SWAGE_FLOOR_MM >= end.grip_ratio * d
-    ]
-    if fitting:
-        name, spring = min(fitting)[1], s.drive.spring
+
+    def fits(entry: dict[str, Any]) -> bool:
+        grip = entry["swage_length_mm"] - SWAGE_FLOOR_MM >= end.grip_ratio * d
+        return grip and bool(entry["swage_diameter_mm"] >= end.sleeve_ratio * d)
+
+    if name := smallest_entry("tensioners", "swage_diameter_mm", fits):
+        spring = s.drive.spring
         if spring is None or led(spring, thread_mm := package_entries("tensioners")[name]["thread_mm"]):
             return f"choose drum.tensioner: {name}"
         springs = [e.name for e in s.drive.springs if led(e, thread_mm) and e.usable_N >= s.loads.highest_N]
@@ -226,12 +234,9 @@ def lug_stress(s: SectorLayout) -> Findings:
         yield what, strength / stress, LUG_SAFETY
 
 
-# A nut engages with all its threads if the stud projects by this many pitches (usual rule).
-THREAD_OUT_PITCHES = 1.0
-# Thread run-out behind the sleeve, in pitches, on which no nut can run.
-RUN_OUT_PITCHES = 2.0
-# A terminal that turns further than this twists the rope while its nut is turned (estimate).
-TWIST_DEG = 20.0
+ADJUSTMENT = Family(
+    "Adjustment of the terminals: take-up from slack to the highest preload, thread under both nuts, twist of the rope."
+)
 
 
 def _longer_stud(s: SectorLayout) -> str:
@@ -291,25 +296,3 @@ def terminal_twist(s: SectorLayout) -> Comparison:
     middle_to_corner = acos(min(1.0, flat / corner))
     turn = 180.0 if wall >= corner else degrees(middle_to_corner - acos(wall / corner))
     return at_most("turn of a terminal until its flat is held", turn, TWIST_DEG, "deg")
-
-
-FAMILIES = (
-    Family(
-        "Terminals on the drum: distance to each other, lands and lugs on solid rim, strength of studs and lugs.",
-        (
-            sleeve_fits,
-            terminals_apart,
-            terminal_angles,
-            lands_intact,
-            outer_face,
-            pocket_corners,
-            stud_stress,
-            lug_stress,
-        ),
-    ),
-    Family(
-        "Adjustment of the terminals: take-up from slack to the highest preload, thread under both nuts, twist of the "
-        "rope.",
-        (take_up, thread_at_end, terminal_twist),
-    ),
-)

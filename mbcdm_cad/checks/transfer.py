@@ -11,7 +11,6 @@ Tolerances: run-out counts half its reading on each radius, play half its size t
 no play, because a spring presses them apart."""
 
 from collections.abc import Callable
-from functools import partial
 from math import atan2, degrees, hypot
 from typing import Any, NamedTuple
 
@@ -157,8 +156,6 @@ def transfer_checks(body: str, keep_on_line: str) -> tuple[Check, ...]:
 # Remaining land under the cable between transfer point and terminal at the end of travel (estimate).
 LEAST_WRAP_DEG = 2.0
 FULL_TURN_DEG = 360.0
-
-
 MORE_WRAP: tuple[Adjustment, ...] = (down(at.travel.half_angle_deg), up(at.drum.sector_half_angle_deg))
 
 
@@ -325,13 +322,6 @@ def ratio_contributions(drive: SectorDrive, cable: SectorRun) -> tuple[Contribut
     )
 
 
-def _against_stack(of: Stacks, s: Any) -> Comparison:
-    """The smallest gap is compared with the root sum of squares of the tolerances that change it."""
-    stack = tightest(of(s))
-    note = f"sum of the tolerances (RSS); worst case {stack.worst_case:.3g} mm; largest share: {stack.costliest.name}"
-    return at_least(stack.figure.removesuffix(", mm"), stack.margin, stack.rss, "mm", note)
-
-
 @check("Transmission error by the tolerances", "linear theory, two sigma")
 def transmission_error(s: Layout) -> Comparison:
     """Largest error of the drum's angle over the travel that the tolerances cause: linear theory, two sigma."""
@@ -347,11 +337,13 @@ def transmission_error(s: Layout) -> Comparison:
 
 def stack_check(name: str, title: str, of: Stacks, advice: str | Callable[[Any], str]) -> Check:
     """The check that warns if the margin of ``of`` is smaller than its tolerance stack."""
-    return Check(
-        f"{name}_stack",
-        title,
-        "root sum of squares of the tolerances in parts/fits.py and making",
-        partial(_against_stack, of),
-        "warn",
-        advice=advice,
-    )
+
+    def against(s: Any) -> Comparison:
+        """The smallest gap is compared with the root sum of squares of the tolerances that change it."""
+        stack = tightest(of(s))
+        worst_case = f"worst case {stack.worst_case:.3g} mm; largest share: {stack.costliest.name}"
+        what = stack.figure.removesuffix(", mm")
+        return at_least(what, stack.margin, stack.rss, "mm", f"sum of the tolerances (RSS); {worst_case}")
+
+    source = "root sum of squares of the tolerances in parts/fits.py and making"
+    return Check(f"{name}_stack", title, source, against, "warn", advice=advice)

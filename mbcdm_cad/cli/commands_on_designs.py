@@ -94,7 +94,7 @@ def _hint(design: api.DriveDesign) -> None:
         return
     from mbcdm_cad.layouts.loader import design_file
 
-    if not design.loaded.sized and design_file(design.drive.configuration).sizing is not None:
+    if not design.loaded.sized and design_file(design.drive.configuration).sizing:
         hint = "states every value; sizing rules compute the fields that a file leaves out"
         click.echo(f"{design.loaded.path}: {hint} (mbcdm explain)", err=True)
 

@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Protocol, Self, TypeVar
+from typing import Any, Self, TypeVar
 
 from mbcdm_cad.design import bought
 from mbcdm_cad.design.blocks import AsBuilt, Export, Limits, Loads, Making, Printing, Targets, Waiver
@@ -217,12 +217,7 @@ class Drive:
         return next((waiver for waiver in self.waivers if waiver.check == check), None)
 
 
-class _Named(Protocol):
-    @property
-    def name(self) -> str: ...
-
-
-_Entry = TypeVar("_Entry", bound=_Named)
+_Entry = TypeVar("_Entry", bound=bought.Entry)
 
 
 def _named(entries: tuple[_Entry, ...], name: str, kind: str) -> _Entry:

@@ -55,33 +55,6 @@ def reference_of(folder: Path) -> Reference:
     return Reference(data["inputs"], data["cables"], values)
 
 
-class LazySizing:
-    """The sizing rules of a layout, a module that is imported when first used: only files with gaps need it."""
-
-    def __init__(self, module: str) -> None:
-        """``module``: its name; it has a function ``size`` and the constants ``DERIVED`` and ``FREEDOMS``."""
-        self.module = module
-
-    def size(self, data: dict[str, Any], moved: Moved, similar: Sizing | None) -> Sizing:
-        """Fill the open fields of the data, which it may change.
-
-        ``moved`` has the functions with which a search changes the values of rules; ``similar``, the sizing of a
-        similar design, makes the search for values shorter.
-        """
-        sized: Sizing = import_module(self.module).size(data, moved, similar)
-        return sized
-
-    def derived(self) -> tuple[str, ...]:
-        """See :meth:`DesignFile.derived`."""
-        fields: tuple[str, ...] = import_module(self.module).DERIVED
-        return fields
-
-    def freedoms(self) -> tuple[Freedom, ...]:
-        """See :meth:`DesignFile.freedoms`."""
-        found: tuple[Freedom, ...] = import_module(self.module).FREEDOMS
-        return found
-
-
 @dataclass(frozen=True)
 class DesignFile:
     """The design files of one configuration.
@@ -98,18 +71,23 @@ class DesignFile:
     rules: Callable[[Any], Iterator[Broken]]
     named: Callable[[Any], Iterator[NamedEntry]]
     drive: Callable[[Any, Catalogue, Mapping[FieldPath, float]], Drive]
-    # The configuration's sizing rules, if it has any.
-    sizing: LazySizing | None = None
+    # Name of the module of the configuration's sizing rules, if it has any: only files with gaps import it.
+    sizing: str = ""
     # Text of a short file of requirements, with a place for the design's ``name``; empty without sizing rules.
     starting: str = ""
 
+    def size(self, data: dict[str, Any], moved: Moved, similar: Sizing | None = None) -> Sizing:
+        """Fill the open fields of the data, which it may change. ``moved`` and ``similar``: see :func:`resolved`."""
+        sized: Sizing = import_module(self.sizing).size(data, moved, similar)
+        return sized
+
     def derived(self) -> tuple[str, ...]:
         """Fields that are neither requirement nor choice: given in a file, they are pins."""
-        return () if self.sizing is None else self.sizing.derived()
+        return import_module(self.sizing).DERIVED if self.sizing else ()
 
     def freedoms(self) -> tuple[Freedom, ...]:
         """Fields that a search for a passing design may change, besides derived numbers."""
-        return () if self.sizing is None else self.sizing.freedoms()
+        return import_module(self.sizing).FREEDOMS if self.sizing else ()
 
     @cached_property
     def nodes(self) -> SchemaNodes:
@@ -235,12 +213,12 @@ def _split(tree: Tree, path: str, file: DesignFile) -> tuple[Tree, dict[FieldPat
 
 def _sized(tree: Tree, path: str, file: DesignFile, moved: Moved, similar: Sizing | None) -> Sizing | None:
     """The data with its open fields filled, and their records. The fields of the file must already be valid."""
-    if file.sizing is None or not isinstance(tree.data, dict) or not _has_gaps(tree, path, file):
+    if not file.sizing or not isinstance(tree.data, dict) or not _has_gaps(tree, path, file):
         return None
     data = _with_blocks(tree, path, file)
     recorded = by_rows(data, Path(path))
     try:
-        sizing = file.sizing.size(data, moved, similar)
+        sizing = file.size(data, moved, similar)
     except SizingError as error:
         _refuse_broken_rules(iter(error.broken), tree, path)
         raise

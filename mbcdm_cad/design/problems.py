@@ -13,8 +13,6 @@ from mbcdm_cad.errors import Problem, did_you_mean, shortened
 MAX_LISTED = 50
 
 _WANTED = {"number": "a number", "integer": "a whole number", "string": "text", "array": "a list", "object": "a block"}
-
-
 # Parts of pydantic's paths that are not fields: keys, and the branches of "a name or a number".
 _NO_FIELDS = ("[key]", "constrained-str", "int")
 # What pydantic calls a key that a model, or a dataclass, does not have.
@@ -115,8 +113,6 @@ SECOND_CABLE_STAGE = (
     "any other as stage: {kind: belt, ratio: 3.0}, or kind: gears (spur layouts), with its stiffness_Nm_rad, "
     "lash_arcmin and efficiency"
 )
-
-
 # Words of the layouts with parallel axes, and why the others have none.
 _WITH_PARALLEL_AXES: dict[FieldPath, str] = {
     (

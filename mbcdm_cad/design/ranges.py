@@ -40,12 +40,11 @@ def split_ranges(tree: Tree, file: str, node_at: NodeAt) -> tuple[Tree, tuple[Ra
     data, found, problems = copy.deepcopy(tree.data), list[Range](), list[Problem]()
     for path, value in _ranges(tree.data, (), node_at):
         node = node_at(path) or {}
-        ends = {} if isinstance(value, str) else value
-        aim = value if isinstance(value, str) else ""
-        wrong = list(_wrong(path, ends, node))
+        wrong = list(_wrong(path, value, node))
         for where, what, shown, limit, remedy in wrong:
             problems.append(Problem(file, tree.line_of(where), dotted(where), what, shown, limit, remedy))
         if not wrong:
+            ends, aim = ({}, value) if isinstance(value, str) else (value, "")
             low, high = _bounds(node)
             found.append(Range(dotted(path), float(ends.get(LOW, low)), float(ends.get(HIGH, high)), aim))
         at: Any = data
@@ -74,8 +73,9 @@ def refuse_ranges(tree: Tree, file: str, node_at: NodeAt) -> None:
 def _refused(path: FieldPath, value: Any, node: Node, file: str) -> list[tuple[FieldPath, str, str, str, str]]:
     shown = value if isinstance(value, str) else ", ".join(f"{key} {end}" for key, end in value.items())
     remedy = f"run 'mbcdm solve {file} --apply FILE', which chooses it, or give a number"
-    wrong = list(_wrong(path, {} if isinstance(value, str) else value, node))
-    return wrong or [(path, "a range, of which a design needs one value", shown, "a number", remedy)]
+    return list(_wrong(path, value, node)) or [
+        (path, "a range, of which a design needs one value", shown, "a number", remedy)
+    ]
 
 
 def _ranges(node: Any, path: FieldPath, node_at: NodeAt) -> Iterator[tuple[FieldPath, Any]]:
@@ -103,8 +103,9 @@ def _bounds(node: Node) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def _wrong(path: FieldPath, ends: dict[str, Any], node: Node) -> Iterator[tuple[FieldPath, str, str, str, str]]:
+def _wrong(path: FieldPath, value: Any, node: Node) -> Iterator[tuple[FieldPath, str, str, str, str]]:
     """(field, what, value, limit, remedy) of everything wrong with the ends of one range."""
+    ends = {} if isinstance(value, str) else value
     low, high = _bounds(node)
     unit = node.get("unit", "-")
     limit = f"{low:g} to {high:g}" + ("" if unit == "-" else f" {unit}")

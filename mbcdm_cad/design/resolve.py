@@ -7,7 +7,7 @@ predicts with them."""
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
-from typing import Any, Protocol
+from typing import Any
 
 from mbcdm_cad.design import bought
 from mbcdm_cad.design.blocks import AsBuilt, AsBuiltValue, Cable, Design, Rope
@@ -94,14 +94,6 @@ def _printed_with(found: bought.Material, nozzle_mm: float) -> bought.Material:
     return replace(found, min_wall_mm=bought.least_wall_mm(found.process, found.min_wall_mm, nozzle_mm))
 
 
-class SteppedCable(Protocol):
-    """A cable whose step of the pulleys the file states."""
-
-    @property
-    def step(self) -> int:
-        """From 1, the smallest."""
-
-
 def shared_values(design: Design, catalogue: Catalogue) -> dict[str, Any]:
     """The fields of :class:`~mbcdm_cad.design.drive.Drive` that follow from shared blocks.
 
@@ -154,8 +146,8 @@ def shared_values(design: Design, catalogue: Catalogue) -> dict[str, Any]:
     }
 
 
-def by_step(cables: Sequence[SteppedCable]) -> list[int]:
-    """Indices of the file's cables in the order of their steps."""
+def by_step(cables: Sequence[Any]) -> list[int]:
+    """Indices of the file's cables, each of which has a ``step``, in the order of their steps."""
     return sorted(range(len(cables)), key=lambda k: cables[k].step)
 
 

@@ -31,11 +31,6 @@ def to_a_size(sizes: Sequence[float], value: float, factor: float) -> float:
     return min(sizes, key=lambda size: abs(log(size / (value * factor))))
 
 
-def nothing_instead(data: Mapping[str, Any]) -> dict[str, Any]:
-    """No fields to add in place of a field that is taken out."""
-    return {}
-
-
 @dataclass(frozen=True)
 class Freedom:
     """One field that follows from a rule, and the range in which a search may change it.
@@ -56,7 +51,7 @@ class Freedom:
     words: tuple[str, ...] = ()
     mends: tuple[tuple[str, int], ...] = ()
     only_named: bool = False
-    instead: Callable[[Mapping[str, Any]], dict[str, Any]] = nothing_instead
+    instead: Callable[[Mapping[str, Any]], dict[str, Any]] = lambda data: {}
 
     @property
     def is_choice(self) -> bool:
@@ -69,8 +64,6 @@ Moved = Mapping[str, Callable[[Any], Any]]
 
 # The driver of a ratio that is that of the lightest drive.
 LIGHTEST = "the lightest drive"
-
-
 # Begins the driver of a field that the design has no use for.
 NOT_USED = "not used: "
 

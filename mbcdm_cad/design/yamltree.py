@@ -81,8 +81,6 @@ def leaves(data: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]
 
 
 MAX_BYTES = 1 << 20
-
-
 NEW_DESIGN = "; 'mbcdm init NEW.yaml' writes a file to start from"
 
 
@@ -93,36 +91,24 @@ def read_text(path: Path, kind: str = "design file", hint: str = NEW_DESIGN) -> 
     """
     try:
         if path.exists() and not path.is_file():
-            raise _file_error(path, "not a regular file", remedy=f"give the path of the {kind}")
+            raise _error(path, 1, "", "not a regular file", remedy=f"give the path of the {kind}")
         with open(path, "rb") as file:
             content = file.read(MAX_BYTES + 1)
     except OSError as error:
-        raise _file_error(path, f"cannot be read: {error.strerror or error}", remedy="check the path" + hint) from None
+        raise _error(
+            path, 1, "", f"cannot be read: {error.strerror or error}", remedy="check the path" + hint
+        ) from None
     except ValueError as error:
-        raise _file_error(path, f"cannot be read: {error}", remedy="check the path") from None
+        raise _error(path, 1, "", f"cannot be read: {error}", remedy="check the path") from None
     if len(content) > MAX_BYTES:
-        raise _file_error(
-            path,
-            "too big",
-            value=f"over {MAX_BYTES} bytes",
-            limit=f"{MAX_BYTES} bytes",
-            remedy=f"{kind}s are about 10 kB at most; check that this is one",
-        )
+        limit, remedy = f"{MAX_BYTES} bytes", f"{kind}s are about 10 kB at most; check that this is one"
+        raise _error(path, 1, "", "too big", value=f"over {limit}", limit=limit, remedy=remedy)
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
-        raise _file_error(
-            path,
-            "not UTF-8 text",
-            value=f"byte 0x{content[error.start]:02x}",
-            line=line,
-            remedy="save the file as UTF-8",
-        ) from None
-
-
-def _file_error(path: Path, what: str, *, value: str = "", limit: str = "", line: int = 1, remedy: str) -> InputError:
-    return InputError([Problem(str(path), line, "", what, value, limit, remedy)])
+        value, remedy = f"byte 0x{content[error.start]:02x}", "save the file as UTF-8"
+        raise _error(path, line, "", "not UTF-8 text", value=value, remedy=remedy) from None
 
 
 MAX_DEPTH = 16
@@ -360,5 +346,7 @@ class _TreeBuilder:
         return _error(self.file, line, dotted(path), what, **more)
 
 
-def _error(file: str, line: int, where: str, what: str, *, value: str = "", limit: str = "", remedy: str) -> InputError:
-    return InputError([Problem(file, line, where, what, value, limit, remedy)])
+def _error(
+    file: str | Path, line: int, where: str, what: str, *, value: str = "", limit: str = "", remedy: str
+) -> InputError:
+    return InputError([Problem(str(file), line, where, what, value, limit, remedy)])

@@ -59,20 +59,14 @@ def _put(data: Any, path: tuple[str, ...], value: Any, loaded: LoadedDesign, key
     """Apply ``value`` to the data at ``path``; missing blocks on the way are created."""
     at, passed = data, list[str | int]()
     for part in path[:-1]:
-        at = _child(at, part, tuple(passed), loaded, key)
+        index = _index(at, part, tuple(passed), loaded, key)
+        if isinstance(at, dict) and at.get(index) is None:
+            at[index] = {}
+        at = at[index]
         passed.append(part)
     last = _index(at, path[-1], tuple(passed), loaded, key)
     there = at[last] if isinstance(at, list) else at.get(last)
     at[last] = _merged(there, value)
-
-
-def _child(at: Any, part: str, passed: FieldPath, loaded: LoadedDesign, key: str) -> Any:
-    index = _index(at, part, passed, loaded, key)
-    if isinstance(at, list):
-        return at[index]
-    if at.get(index) is None:
-        at[index] = {}
-    return at[index]
 
 
 def _index(at: Any, part: str, passed: FieldPath, loaded: LoadedDesign, key: str) -> Any:

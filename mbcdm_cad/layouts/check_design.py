@@ -47,7 +47,7 @@ def run_checks(design: Drive | LoadedDesign | Layout) -> tuple[CheckResult, ...]
 def advised_checks(loaded: LoadedDesign) -> tuple[tuple[CheckResult, ...], Together | None]:
     """Every check on a design file, with advice on its pins, and the result of applying all remedies together."""
     refuse_unknown_waivers(loaded.drive, loaded)
-    checks, budget = checks_of(loaded.drive), Budget(asked=lambda: _asked(loaded))
+    checks, budget = checks_of(loaded.drive), Budget(requires=lambda: _asked(loaded))
     results = run_all(checks, layout_of(loaded.drive), budget)
     wrong = [result.id for result in failed(results)]
     if not wrong:

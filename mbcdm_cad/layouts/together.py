@@ -92,7 +92,7 @@ def together(
         offers, pins = {name: budget.offers.get(name, ()) for name in failing}, {}
         if not failing:
             break
-    return Together(changes, tuple(out), failing, file.sizing is not None)
+    return Together(changes, tuple(out), failing, bool(file.sizing))
 
 
 def _merged(offers: Mapping[str, Sequence[Offer]], pins: Mapping[str, Sequence[str]]) -> dict[str, Offer]:
@@ -162,11 +162,7 @@ def _mended(freed: LoadedDesign, failed: Sequence[Check]) -> list[Check]:
 def _without(loaded: LoadedDesign, tree: yamltree.Tree, fields: Iterable[str]) -> LoadedDesign | None:
     data = copy.deepcopy(tree.data)
     for field in fields:
-        *blocks, last = field.split(".")
-        at = data
-        for block in blocks:
-            at = at[block]
-        del at[last]
+        _remove(data, field)
     try:
         return load_tree(yamltree.Tree(data, tree.lines), loaded.text, loaded.path)
     except InputError:

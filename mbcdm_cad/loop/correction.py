@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.loop.prepare.prepared import held_out, played
 from mbcdm_cad.loop.search.fit import Fit, Fitter
+from mbcdm_cad.report.table import rendered
 from mbcdm_cad.routes import Floats
 
 ANGLES, LOADS = 65, 9
@@ -252,8 +253,4 @@ def _json(found: Correction, source: str) -> bytes:
 
 
 def _header(found: Correction, source: str) -> bytes:
-    import jinja2  # loads templates: only where a table is written
-
-    loader = jinja2.PackageLoader("mbcdm_cad.loop", ".")
-    plain = jinja2.Environment(loader=loader, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True)
-    return plain.get_template("correction.h.j2").render(head=_head(found, source), found=found).encode()
+    return (rendered("correction.h.j2", "mbcdm_cad.loop", head=_head(found, source), found=found) + "\n").encode()

@@ -23,11 +23,13 @@ from mbcdm_cad.design.fields import Block, Number, Text, choice
 from mbcdm_cad.design.problems import schema_problems
 from mbcdm_cad.design.yamltree import read_text
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
+from mbcdm_cad.loop.as_built import as_built_text
+from mbcdm_cad.loop.result import FIRST_FIELDS, LoopResult, result_text
 from mbcdm_cad.measurement.file import MeasurementFile, load_file
 from mbcdm_cad.measurement.schema import MOTION
 from mbcdm_cad.measurement.vet import Vetted, vetted_runs, vetting_lines
 from mbcdm_cad.model.si import ModelError
-from mbcdm_cad.report.table import TextReport
+from mbcdm_cad.report.table import TextReport, data_frame, preformatted
 
 if TYPE_CHECKING:
     import pandas
@@ -35,7 +37,6 @@ if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
     from mbcdm_cad.design.loader import LoadedDesign
     from mbcdm_cad.loop.correction import Correction
-    from mbcdm_cad.loop.result import LoopResult
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,16 +59,12 @@ class LoopReport(TextReport):
 
     def text(self) -> str:
         """What ``mbcdm loop`` prints: the finding, the tables, and each run's vetting."""
-        from mbcdm_cad.loop.result import result_text
-
         doubts = [f"doubt: {words}" for one in self.runs for words in one.doubts]
         parts = [result_text(self.result, doubts)]
         return "\n".join(parts + [line for one in self.runs for line in ("", *vetting_lines(one))])
 
     def _repr_html_(self) -> str:
         """For notebooks."""
-        from mbcdm_cad.report.table import preformatted
-
         return preformatted(self.text())
 
     def design(self) -> dict[str, str] | None:
@@ -78,8 +75,6 @@ class LoopReport(TextReport):
 
     def to_dict(self) -> dict[str, Any]:
         """The content of the result file, ready for JSON: a number that is not finite becomes None."""
-        from mbcdm_cad.loop.result import FIRST_FIELDS
-
         content = {**self.result.to_json(), "design": self.design(), "runs": [_run_json(one) for one in self.runs]}
         content["new_fields"] = [name for name in content if name not in FIRST_FIELDS]
         plain: dict[str, Any] = _finite(content)
@@ -95,8 +90,6 @@ class LoopReport(TextReport):
 
         Raises ``MbcdmError`` where the runs are of another drive than the design's.
         """
-        from mbcdm_cad.loop.as_built import as_built_text
-
         if self.drive is None or self.loaded is None:
             where = self.source if self.loaded is None else self.loaded.path
             raise MbcdmError(f"{where}: the runs are of a drive of their own, not of the design's")
@@ -124,8 +117,6 @@ class LoopReport(TextReport):
 
     def to_pandas(self) -> pandas.DataFrame:
         """The candidates that were tried, one row each. ``MbcdmError`` without pandas."""
-        from mbcdm_cad.report.table import data_frame
-
         rows = self.to_dict()["candidates"]
         columns = ("effect", "held_out_rad", "fall_rad", "outcome")
         return data_frame({name: [row[name] for row in rows] for name in columns})

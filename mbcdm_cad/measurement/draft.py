@@ -25,6 +25,7 @@ from mbcdm_cad.measurement.logformat import Format, Unit, figure_of, find_format
 from mbcdm_cad.measurement.reading import FULL_SENSE, read_run
 from mbcdm_cad.measurement.schema import FREQUENCY_RESPONSE, json_schema
 from mbcdm_cad.measurement.vet_signals import robust_slope
+from mbcdm_cad.report.table import rendered
 from mbcdm_cad.routes import Floats
 
 # Rows that are tested for figures, and the share of them that must have one.
@@ -404,23 +405,20 @@ def _written(data: Path, table: _Table, columns: list[roles.Guess], expected: ro
 
 def measurement_page() -> str:
     """The reference page of the measurement file in Markdown, from its schema and the table of units."""
-    import jinja2  # only for this page
 
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("mbcdm_cad.measurement", "."), trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters |= {
-        "flow": flow,
-        "cell": lambda text: " ".join(str(text).split()).replace("|", "\\|"),
-        "said": lambda node: node["description"].capitalize(),
-    }
+    def cell(text: object) -> str:
+        return " ".join(str(text).split()).replace("|", "\\|")
+
     schema = json_schema()
     blocks = schema["properties"]
-    return environment.get_template("reference.md.j2").render(
+    return rendered(
+        "reference.md.j2",
+        "mbcdm_cad.measurement",
+        filters={"flow": flow, "cell": cell, "said": lambda node: node["description"].capitalize()},
         blocks=blocks,
         plain={name: node for name, node in blocks.items() if "properties" not in node and name != "published"},
         required=schema.get("required", []),
-        limits=lambda node: environment.filters["cell"](limit_text(node)),
+        limits=lambda node: cell(limit_text(node)),
         known_units=logformat.known_units,
         MOST_BROKEN=MOST_BROKEN,
         FEWEST_SAMPLES=FEWEST_SAMPLES,

@@ -18,19 +18,11 @@ from mbcdm_cad.layouts.turns import modes_of
 from mbcdm_cad.model import equations
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.bulk import preload_table
-from mbcdm_cad.model.equations import papers_test
 from mbcdm_cad.model.figures import Analysis
 from mbcdm_cad.model.tolerance import stack_data
 from mbcdm_cad.parts.bill import CABLE, Bill, Item
 from mbcdm_cad.parts.part import BoughtPart, StandardPart
-from mbcdm_cad.report.analysis_report import (
-    above_gearhead,
-    duty_shown,
-    life_shown,
-    motor_lines,
-    path_data,
-    subject_or_reason,
-)
+from mbcdm_cad.report import analysis_report
 from mbcdm_cad.report.losses import losses_shown, stage_figures
 from mbcdm_cad.report.preload import preload_shown
 from mbcdm_cad.report.table import speed_shown
@@ -297,9 +289,12 @@ def design_figures(layout: Layout, centred: Bill) -> DesignFigures:
     angles = (0.0, *(float(angle) for angle in np.linspace(-half, half, _SWEPT_POSES)))
     data = {
         "analysis": analysis.to_dict(),
-        "paths": path_data(layout),
+        "paths": analysis_report.path_data(layout),
         "torsion": asdict(modes_of(layout)),
-        **{name: subject_or_reason(layout, name)[0] for name in ("structure", "losses", "life", "preload", "duty")},
+        **{
+            name: analysis_report.subject_or_reason(layout, name)[0]
+            for name in ("structure", "losses", "life", "preload", "duty")
+        },
         "tolerance_stacks": [stack_data(stack) for stack in layout.tolerance_stacks],
         "holes": centred.holes(),
         "asked_torque_Nm": drive.loads.peak_torque_Nm,
@@ -369,7 +364,7 @@ def report_data(
         "torque": {
             "peak_positive_Nm": figures.analysis.peak_torque_Nm[0],
             "peak_negative_Nm": figures.analysis.peak_torque_Nm[1],
-            "above_gearhead": above_gearhead(
+            "above_gearhead": analysis_report.above_gearhead(
                 figures.analysis.limits, drive.mounted, "peak torque", figures.analysis.peak_torque_Nm
             ),
             "torque_to_weight_Nm_kg": min(figures.analysis.peak_torque_Nm) / kilograms,
@@ -434,12 +429,12 @@ def report_markdown(data: dict[str, Any], paths_template: str) -> str:
     return environment.get_template("report.md.j2").render(
         r=data,
         a=data["analysis"],
-        papers_test=papers_test(data["analysis"]["test"][0]["load_Nm"]),
+        papers_test=equations.papers_test(data["analysis"]["test"][0]["load_Nm"]),
         paths=paths,
         passed=passed,
         losses=losses_shown(data["losses"]),
-        life=life_shown(data["life"]),
+        life=analysis_report.life_shown(data["life"]),
         preload=preload_shown(data["preload"]),
-        duty=duty_shown(data["duty"]),
-        motor_lines=motor_lines(motor) if motor else (),
+        duty=analysis_report.duty_shown(data["duty"]),
+        motor_lines=analysis_report.motor_lines(motor) if motor else (),
     )

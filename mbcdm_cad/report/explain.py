@@ -95,22 +95,22 @@ def _stated(loaded: LoadedDesign) -> Iterator[Explained]:
 
 def _filled(loaded: LoadedDesign, data: dict[str, Any]) -> dict[str, Any]:
     """The data with the fields filled that even a complete file may leave out, so that they are computed only once."""
-    sizing = design_file(loaded.drive.configuration).sizing
+    file = design_file(loaded.drive.configuration)
     try:
-        return data if sizing is None else sizing.size(copy.deepcopy(data), {}, None).data
+        return file.size(copy.deepcopy(data), {}).data if file.sizing else data
     except SizingError:
         return data
 
 
 def _without(loaded: LoadedDesign, data: dict[str, Any], field: str) -> SizedValue | None:
     """The rule's value of a field that the file, read as ``data``, states; None if no rule gives one."""
-    sizing = design_file(loaded.drive.configuration).sizing
-    if sizing is None:
+    file = design_file(loaded.drive.configuration)
+    if not file.sizing:
         return None
     freed = copy.deepcopy(data)
     take_out(freed, field)
     try:
-        return sizing.size(freed, {}, None).of(field)
+        return file.size(freed, {}).of(field)
     except SizingError:
         return None
 

@@ -181,7 +181,7 @@ def question_of(text: str, path: str | Path = "<text>") -> Question:
     path = Path(path)
     whole = parse(text, str(path))
     file = design_file_of(whole, str(path))
-    if file.sizing is None:
+    if not file.sizing:
         raise MbcdmError(f"{path}: this configuration has no sizing rules; solve changes only fields that have one")
     tree, ranges = split_ranges(whole, str(path), file.node_at)
     found = Question(path, text, whole, tree.data, file, {r.field: r for r in ranges}, {}, complete=False)

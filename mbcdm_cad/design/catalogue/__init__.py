@@ -4,11 +4,11 @@ JSON, because every start of the program reads several files, and JSON is parsed
 validated when they are looked up; a test validates them all."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from pydantic import Field
 
@@ -26,19 +26,10 @@ def package_entries(kind: str) -> dict[str, dict[str, Any]]:
     return entries
 
 
-KINDS: dict[str, type[bought.Entry]] = {
-    "ropes": bought.CableSpec,
-    "terminations": bought.TerminationSpec,
-    "motors": bought.Motor,
-    "gearheads": bought.Gearhead,
-    "encoders": bought.Encoder,
-    "bearings": bought.Bearing,
-    "screws": bought.Screw,
-    "inserts": bought.InsertSpec,
-    "tensioners": bought.TensionerSpec,
-    "springs": bought.SpringSpec,
-    "materials": bought.Material,
-}
+def smallest_entry(kind: str, size: str, fits: Callable[[dict[str, Any]], bool]) -> str | None:
+    """Name of the package's entry of a kind that has the least of the field ``size`` among those that fit."""
+    found = [(entry[size], name) for name, entry in package_entries(kind).items() if fits(entry)]
+    return min(found)[1] if found else None
 
 
 class OwnEntries(Block):
@@ -63,6 +54,12 @@ class OwnEntries(Block):
         default={}, max_length=64, description="springs of terminals by name"
     )
     materials: dict[EntryName, bought.Material] = Field(default={}, max_length=64, description="materials by name")
+
+
+# The class of the entries of each kind.
+KINDS: dict[str, type[bought.Entry]] = {
+    kind: get_args(field.annotation)[1] for kind, field in OwnEntries.model_fields.items()
+}
 
 
 # What gives torque and speed of any motor; currents and pairs of poles go with a brushless one.

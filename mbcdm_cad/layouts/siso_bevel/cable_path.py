@@ -19,7 +19,7 @@ from math import acos, atan2, cos, degrees, hypot, pi, radians, sin, sqrt
 import numpy as np
 
 from mbcdm_cad.layouts.bevel_transfer import ON_DRUM, on_drum
-from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive, DirectRun
+from mbcdm_cad.layouts.siso_bevel.design_file import DirectDrive, DirectRun
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.input_pulley.dims import SLOT_PLAY_MM, STOP_PIECES, WEDGE_MM, StopGeometry, stop_pieces
 from mbcdm_cad.parts.terminal import tensioned_rope

@@ -10,16 +10,16 @@ from mbcdm_cad.checks import bearings, drum_sector, fixings, motor_head, motors,
 from mbcdm_cad.checks.comparison import Comparison, Family, Findings, at_least, at_most, check, families
 from mbcdm_cad.checks.design_variables import Adjustment, down, downs, up, ups
 from mbcdm_cad.checks.geometry import cables_apart, corner_gap, drum_zones, frame_front
-from mbcdm_cad.checks.input_pulley import pulley_checks
+from mbcdm_cad.checks.input_pulley import CHECKS as PULLEY_CHECKS
 from mbcdm_cad.checks.motor_head import boss_walls, encoder_shelf
-from mbcdm_cad.checks.ratios import anchor_bend, bending_checks, pair_mismatch, spread, surface_radius
-from mbcdm_cad.checks.run import floored
+from mbcdm_cad.checks.ratios import BENDING, anchor_bend, pair_mismatch, spread, surface_radius
+from mbcdm_cad.checks.run import rounded
 from mbcdm_cad.checks.size import box_checks, mass_estimate
 from mbcdm_cad.checks.transfer import TransferStacks, ratio_contributions, transfer_checks, transmission_error
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.bevel_transfer import bevel_box_mm, cut_at_pitch, transfer_stacks, wrap_checks
 from mbcdm_cad.layouts.siso_bevel.cable_path import full_input_turn_deg, taken_rad
-from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
+from mbcdm_cad.layouts.siso_bevel.design_file import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.layouts.siso_bevel.support import MOUNT_HEAD_ROOM_MM, POCKET_FLAT_MM
 from mbcdm_cad.model.tolerance import StackUp, tightest
@@ -56,7 +56,7 @@ def _ratio_that_fits(s: DirectLayout) -> str:
     if ratio <= 0.0:
         return "no ratio fits: lower transmission.reserve_deg"
     return (
-        f"a total ratio of at most {floored(ratio)} for this travel; a guide between input and drum (miso_bevel) "
+        f"a total ratio of at most {rounded(ratio)} for this travel; a guide between input and drum (miso_bevel) "
         "allows more, because its inputs can wind any number of turns"
     )
 
@@ -278,7 +278,6 @@ def box_mm(s: DirectLayout) -> tuple[float, float, float]:
 
 
 _RADII = up("all radii of transmission")
-_LARGER = (down(at.transmission.input_to_drum), down("rope diameter_mm"), _RADII)
 _X = (down(at.drum.sector_half_angle_deg), up(at.drum.sector_half_angle_deg))
 _Z = (down(at.support.coupling_space_mm), up(at.support.coupling_space_mm))
 _Y = (down(at.drum.hub_face_y_mm), up(at.drum.hub_face_y_mm), up(at.support.back_y_mm))
@@ -292,8 +291,8 @@ FAMILIES = families(
             pair_mismatch.but(advice=_radii_that_agree),
             surface_radius,
             cut_at_pitch,
-            *bending_checks(_LARGER),
-            anchor_bend.but(adjust=_LARGER),
+            *BENDING,
+            anchor_bend,
         ),
     ),
     Family(
@@ -320,8 +319,7 @@ FAMILIES = families(
     bearings,
     fixings,
     Family(
-        "Input pulley, its stops and its coupling: bores, walls, and room for the parts on and around it",
-        pulley_checks((up(at.transmission.input_radii_mm), down(at.transmission.input_to_drum), _RADII)),
+        "Input pulley, its stops and its coupling: bores, walls, and room for the parts on and around it", PULLEY_CHECKS
     ),
     drum_sector,
     structure,

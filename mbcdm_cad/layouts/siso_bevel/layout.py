@@ -12,7 +12,7 @@ from mbcdm_cad.layouts.base import Conventions, dimensions
 from mbcdm_cad.layouts.bevel_transfer import TravelFigures, ends_at_drum, tensioned
 from mbcdm_cad.layouts.sector import HeadLayout, coupled_pulley, wraps_over_travel
 from mbcdm_cad.layouts.siso_bevel.cable_path import full_input_turn_deg, input_wrap_rad, stop_of
-from mbcdm_cad.layouts.siso_bevel.drive import ColumnSupport, DirectDrive, DirectRun
+from mbcdm_cad.layouts.siso_bevel.design_file import ColumnSupport, DirectDrive, DirectRun
 from mbcdm_cad.layouts.siso_bevel.support import ColumnDims, DirectStack, column, direct_stack, flange
 from mbcdm_cad.model.tensioning import TensioningPlan, tensioning_plan
 from mbcdm_cad.parts.input_pulley import dims

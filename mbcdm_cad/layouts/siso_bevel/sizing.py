@@ -16,8 +16,7 @@ from mbcdm_cad.layouts.head_basis import LIMITS, METALS, ROPE_LIMITS, TRAIN, rop
 from mbcdm_cad.layouts.head_parts import PARTS
 from mbcdm_cad.layouts.open_ratio import SizingRules
 from mbcdm_cad.layouts.siso_bevel.checks import LEAST_RESERVE_DEG, highest_ratio
-from mbcdm_cad.layouts.siso_bevel.design_file import REFERENCE
-from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
+from mbcdm_cad.layouts.siso_bevel.design_file import REFERENCE, DirectDrive
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.layouts.stiff_sizing import SHARED, walls
 from mbcdm_cad.parts.fits import MOUNT_SCREWS

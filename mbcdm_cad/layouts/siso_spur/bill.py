@@ -17,9 +17,7 @@ from mbcdm_cad.parts.motor_head import part
 from mbcdm_cad.parts.motor_head.dims import flange_screw
 from mbcdm_cad.parts.turned import Dowel
 
-
-def _at(x: float, y: float, z: float) -> Placement:
-    return Placement.translation(x, y, z)
+_at = Placement.translation
 
 
 def _add_fixed_at_input(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = "") -> None:

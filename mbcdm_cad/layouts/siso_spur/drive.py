@@ -156,16 +156,14 @@ class SpurDrive(SectorDrive):
 
     @property
     def leading(self) -> IdlerBlock:
-        """The block of the idlers. Raises ``ValueError`` for a drive without idlers."""
-        if self.idlers is None:
-            raise ValueError(f"{self.name} has no idlers")
+        """The block of the idlers of a drive that has them."""
+        assert self.idlers is not None
         return self.idlers
 
     @property
     def idler_bearing(self) -> Bearing:
-        """Bearing in both ends of each idler. Raises ``ValueError`` for a drive without idlers."""
-        if self.bearings.idler is None:
-            raise ValueError(f"{self.name} has no idlers")
+        """Bearing in both ends of each idler of a drive that has them."""
+        assert self.bearings.idler is not None
         return self.bearings.idler
 
     @property

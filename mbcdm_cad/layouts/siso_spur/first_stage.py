@@ -101,12 +101,10 @@ def of_data(get: Get) -> FirstStage:
     return first_stage(words(get))
 
 
-def last_ratio(get: Get) -> float | None:
-    """Drum radius over input radius of the second stage, None where it is open."""
-    stated, radius = get("transmission.input_to_drum"), get("transmission.input_radius_mm")
-    if stated is not None:
-        return float(stated)
-    return None if radius is None else float(get("transmission.drum_radius_mm") / radius)
+def last_ratio(get: Get) -> float:
+    """Drum radius over input radius of the second stage."""
+    stated = get("transmission.input_to_drum")
+    return float(stated or get("transmission.drum_radius_mm") / get("transmission.input_radius_mm"))
 
 
 def turned_deg(get: Get) -> float:
@@ -135,7 +133,6 @@ def words(get: Get) -> dict[str, Any]:
     Raises ``SizingError`` for words that it cannot have.
     """
     ratio = last_ratio(get)
-    assert ratio is not None
     own = OwnEntries.model_validate(get("catalogue") or {})
     whole, stated = get("first_stage"), get("first_stage.ratio")
     given = copy.deepcopy((whole.get("design") if isinstance(whole, dict) else whole.design) or {})
@@ -365,7 +362,6 @@ def broken_first_stage(design: Any) -> Iterator[Broken]:
         yield Broken(("input_pulleys", "carried_by"), what, "motor", "bearings", remedy)
         return
     last = last_ratio(_fields(design))
-    assert last is not None
     if block.total_ratio and block.ratio and abs(block.ratio * last / block.total_ratio - 1.0) > 1e-3:
         yield Broken(
             ("first_stage", "total_ratio"),

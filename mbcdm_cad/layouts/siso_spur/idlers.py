@@ -13,7 +13,7 @@ Idlers of cables in parallel follow each other on one longer axle, with a spacer
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -82,30 +82,21 @@ class StandDims:
         return (self.post_z[0] + self.post_z[1]) / 2
 
 
-class IdlerPin(NamedTuple):
-    """The idlers on one axle, one for each cable, from the back: their bodies in the routes and their dimensions."""
+class Idler(NamedTuple):
+    """One idler: its body in the routes, its dimensions along y, its cable, and the number of its pair from 0 on."""
 
-    side: int
-    number: int  # of the pair, from 0 on
-    bodies: tuple[str, ...]
-    idlers: tuple[IdlerDims, ...]
+    body: str
+    dims: IdlerDims
+    cable: SpurRun
+    number: int
 
 
-def idlers(drive: SpurDrive) -> Iterator[tuple[str, IdlerDims, tuple[SpurRun, int]]]:
-    """Each idler: its body in the routes, its dimensions along y, its cable and its number from 0 on."""
+def idlers(drive: SpurDrive) -> Iterator[Idler]:
+    """Each idler, those of the pair next to the input first; on one axle from the back."""
     for n, level in enumerate(drive.idler_levels_mm):
         for k, cable in enumerate(drive.cables):
             middle = drive.level_mm + drive.levels_mm[k // 2] + cable.outward * level
-            yield idler_body(n + 1, cable.name), idler(drive, middle), (cable, n)
-
-
-def pins(found: Iterable[tuple[str, IdlerDims, tuple[SpurRun, int]]]) -> Iterator[IdlerPin]:
-    """The idlers by the axles on which they turn."""
-    by_axle: dict[tuple[int, int], list[tuple[str, IdlerDims]]] = {}
-    for body, own, (cable, n) in found:
-        by_axle.setdefault((cable.drum_side, n), []).append((body, own))
-    for (side, n), each in by_axle.items():
-        yield IdlerPin(side, n, tuple(body for body, _ in each), tuple(own for _, own in each))
+            yield Idler(idler_body(n + 1, cable.name), idler(drive, middle), cable, n)
 
 
 def idler(drive: SpurDrive, middle_mm: float) -> IdlerDims:
@@ -167,21 +158,21 @@ def stands(drive: SpurDrive, plate_y: tuple[float, float]) -> tuple[StandDims, .
     return tuple(found)
 
 
-def axle(drive: SpurDrive, stand: StandDims, pin: IdlerPin, index: int = 0) -> AxleDims:
+def axle(drive: SpurDrive, stand: StandDims, pin: Sequence[Idler], index: int = 0) -> AxleDims:
     """Axle from the back of the plate to the front of the strap, with its collar; the spacer is that before one idler.
 
     ``index``: of that idler, which the spacer holds away from the next one, or from the strap.
     """
-    bearing, before = drive.idler_bearing, pin.idlers[index + 1 :]
+    bearing, before = drive.idler_bearing, pin[index + 1 :]
     return AxleDims(
         radius=stand.axle_radius,
         bottom_z=stand.back_y,
         top_z=stand.strap_front_y,
         collar_radius=bearing.inner_shoulder_mm / 2,
         collar_bottom_z=stand.front_y,
-        collar_top_z=pin.idlers[0].bottom_z,
-        spacer_bottom_z=pin.idlers[index].top_z,
-        spacer_top_z=before[0].bottom_z if before else stand.strap_back_y - END_PLAY_MM,
+        collar_top_z=pin[0].dims.bottom_z,
+        spacer_bottom_z=pin[index].dims.top_z,
+        spacer_top_z=before[0].dims.bottom_z if before else stand.strap_back_y - END_PLAY_MM,
     )
 
 
@@ -243,15 +234,16 @@ class Idlers(Attachment):
         at, lay, drive = Placement.translation, self.layout, self.layout.drive
         ring, metal, spec = drive.material("bearing-steel"), drive.shaft_material, drive.idler_bearing
         for pin in lay.pins:
-            stand = lay.frame.stands[pin.number]
-            where = turn @ at(pin.side * stand.x, 0.0, stand.z)
-            tags = [body.removeprefix("idler_") for body in pin.bodies]
-            pulley, between = IdlerPulley(pin.idlers[0], "Idler"), axle(drive, stand, pin)
+            first = pin[0]
+            stand = lay.frame.stands[first.number]
+            where = turn @ at(first.cable.drum_side * stand.x, 0.0, stand.z)
+            tags = [own.body.removeprefix("idler_") for own in pin]
+            pulley, between = IdlerPulley(first.dims, "Idler"), axle(drive, stand, pin)
             b.add(f"idler_axle_{tags[0]}", Axle(between, "Idler axle"), material=metal, place=where @ ALONG_Y)
-            for k, (tag, body, own) in enumerate(zip(tags, pin.bodies, pin.idlers, strict=True)):
+            for k, (tag, (body, own, _, _)) in enumerate(zip(tags, pin, strict=True)):
                 # Those of one axle are equal, and so are the spacers between them.
                 level, last = at(0.0, drive.levels_mm[k], 0.0), k == len(tags) - 1
-                b.add(body, pulley, part=pin.bodies[0], material=drive.drum_material, group=body, place=level @ ALONG_Y)
+                b.add(body, pulley, part=first.body, material=drive.drum_material, group=body, place=level @ ALONG_Y)
                 for end, y in (("rear", own.bottom_z), ("front", own.top_z - spec.width_mm)):
                     b.bearing(f"idler_bearing_{end}_{tag}", spec, ring, at(0.0, y, 0.0) @ ALONG_Y, body)
                 b.add(
@@ -270,7 +262,7 @@ class Idlers(Attachment):
     def bearings(self, d: DriveSI) -> Iterator[BearingPair]:
         """See the base class."""
         spec = self.layout.drive.idler_bearing
-        for body, own, _ in self.layout.idlers:
+        for body, own, _, _ in self.layout.idlers:
             yield body_bearings(d, d.routes.body(body), "idlers' bearings", (spec, spec), own.bearings_mm)
 
     def structure(self, unit_tension_N: Floats) -> Iterator[Cause]:
@@ -281,10 +273,10 @@ class Idlers(Attachment):
         drive = self.layout.drive
         material = elastic(drive.shaft_material)
         for unit, pin in ((one, each) for one in self.layout.input_units for each in one.pins):
-            stand = unit.frame.stands[pin.number]
+            stand = unit.frame.stands[pin[0].number]
             rear, front = stand.supports_mm
             section = Section(rear, front, stand.axle_radius)
-            on_it = {body: own.bearings_mm for body, own in zip(pin.bodies, pin.idlers, strict=True)}
+            on_it = {own.body: own.dims.bearings_mm for own in pin}
             yield from axle_causes(
                 self.layout, on_it, unit_tension_N, (rear, front), drive.idler_bearing, section, material
             )

@@ -17,21 +17,20 @@ from mbcdm_cad.layouts.sector import HeadLayout
 from mbcdm_cad.layouts.siso_spur.cable_path import cable_paths, longest_mm, side_length_mm
 from mbcdm_cad.layouts.siso_spur.drive import MOST_SPREAD, PITCH_SPREAD, SpurDrive, SpurRun, laid, spur
 from mbcdm_cad.layouts.siso_spur.first_stage import FirstStageUnit
-from mbcdm_cad.layouts.siso_spur.idlers import IdlerPin, Idlers, idlers, pins
+from mbcdm_cad.layouts.siso_spur.idlers import Idler, Idlers, idlers
 from mbcdm_cad.layouts.siso_spur.pulley import BeltOrGears, ServoHorn, input_pulley
 from mbcdm_cad.layouts.siso_spur.routes import DISTANCE, IDLER_RADIUS, SpurGeometry, no_strand
 from mbcdm_cad.layouts.siso_spur.schema import IdlerBlock, YokeSupport
 from mbcdm_cad.layouts.siso_spur.support import SpurStack, YokeDims, flange, spur_stack, yoke
-from mbcdm_cad.parts import coupling
+from mbcdm_cad.parts import coupling, making
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, DrumDims, HubDowels
 from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, furthest_anchor_rad
 from mbcdm_cad.parts.fits import SHEAR_SHARE, MountThread
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
-from mbcdm_cad.parts.making import land_band_mm
 from mbcdm_cad.parts.motor_head.dims import Flange, HeadDims, head
 from mbcdm_cad.parts.terminal import Tensioner, tensioned_rope, terminal_travel_mm
-from mbcdm_cad.parts.turned import DrumShaftDims, IdlerDims
+from mbcdm_cad.parts.turned import DrumShaftDims
 from mbcdm_cad.routes.curves import CablePath, turned_about_y
 from mbcdm_cad.routes.route import DRUM_RADIUS, INPUT_RADIUS, RoutedDrive
 
@@ -100,6 +99,7 @@ class SpurLayout(HeadLayout):
     variables = VARIABLES
     takes = (Idlers, BeltOrGears, ServoHorn, FirstStageUnit)
     frame_name = "plate"
+    levels_sense = -1
     conventions = Conventions(
         frame="Frame: origin on the drum axis (Y), in the middle of the cable; the input stands at +Z; lengths in mm.",
         cables="The cable is a round rod at the nominal diameter; its turns walk along the input as the drum turns.",
@@ -248,11 +248,6 @@ class SpurLayout(HeadLayout):
             drive.gearhead.shaft_diameter_mm,
         )
 
-    @property
-    def stage_clear_mm(self) -> float:
-        """Distance of a stage's driving wheel from the face on whose shaft it is."""
-        return self.stage.bottom_z - self.levels.motor_shelf_bottom_z if self.stage else 0.0
-
     @dimensions
     def frame(self) -> YokeDims:
         """The frame: boss, and the arm at the first input."""
@@ -330,11 +325,6 @@ class SpurLayout(HeadLayout):
         return [(name, "input pulley", drive.input_radius_mm), *idlers, (name, "drum", drive.drum_radius_mm)]
 
     @property
-    def levels_sense(self) -> int:
-        """See the base class."""
-        return -1
-
-    @property
     def steps_before_drum(self) -> tuple[tuple[float, float], ...]:
         """See the base class."""
         pulley = self.inputs[0]
@@ -345,14 +335,17 @@ class SpurLayout(HeadLayout):
         return super().anchor_rad(cable) - self.drive.landing_rad
 
     @dimensions
-    def idlers(self) -> tuple[tuple[str, IdlerDims, tuple[SpurRun, int]], ...]:
-        """Each idler: its body in the routes, its dimensions, its cable and its number from 0 on."""
+    def idlers(self) -> tuple[Idler, ...]:
+        """Each idler."""
         return tuple(each for unit in self.input_units for each in idlers(unit.drive))
 
     @dimensions
-    def pins(self) -> tuple[IdlerPin, ...]:
+    def pins(self) -> tuple[Sequence[Idler], ...]:
         """The idlers by the axles on which they turn."""
-        return tuple(pins(self.idlers))
+        by_axle: dict[tuple[int, int], list[Idler]] = {}
+        for one in self.idlers:
+            by_axle.setdefault((one.cable.drum_side, one.number), []).append(one)
+        return tuple(by_axle.values())
 
     def tensioned_lengths_mm(self) -> Sequence[float]:
         """Length that each terminal tensions: half of the one cable, or its own cable."""
@@ -402,7 +395,7 @@ class SpurLayout(HeadLayout):
         """How far the ratio of a cable may be from the mean of all, over it."""
         drive = self.drive
         radii = (drive.drum_radius_mm, drive.input_radius_mm)
-        drum, pulley = (land_band_mm(drive, radii[0], "drum"), land_band_mm(drive, radii[1], "pulley"))
+        drum, pulley = (making.land_band_mm(drive, radii[0], "drum"), making.land_band_mm(drive, radii[1], "pulley"))
         return hypot(drum / radii[0], pulley / radii[1]) * sqrt(1.0 - 1.0 / drive.parallel)
 
     @property

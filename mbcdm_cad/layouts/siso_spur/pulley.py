@@ -115,13 +115,8 @@ def input_pulley(drive: SpurDrive, levels: LandLevels) -> dims.InputPulleyDims:
     if wheel:
         # The journal ends with the wheel that it carries.
         bottom = levels.motor_shelf_top_z + collar_over_shelf_mm(drive)
-        own = {
-            "journal_bottom_z": bottom,
-            "bore_radius": 0.0,
-            "bore_top_z": bottom,
-            "slit_width": 0.0,
-            "slit_top_z": bottom,
-        }
+        own = dict.fromkeys(("journal_bottom_z", "bore_top_z", "slit_top_z"), bottom)
+        own |= {"bore_radius": 0.0, "slit_width": 0.0}
     if drive.encoder.absent:
         own["journal_top_z"] = levels.top_plate_bottom_z + bearings.input_upper.width_mm
     plain = coupled_pulley(

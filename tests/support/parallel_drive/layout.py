@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.checks import motors, strength
-from mbcdm_cad.checks.comparison import Family, Findings, at_most, check
+from mbcdm_cad.checks.comparison import Family, Findings, at_most, check, families
 from mbcdm_cad.checks.design_variables import SHARED, DesignVariable, by_path, down, field
-from mbcdm_cad.checks.ratios import bending_checks
+from mbcdm_cad.checks.ratios import BENDING
 from mbcdm_cad.design.loader import DesignFile
 from mbcdm_cad.layouts.base import Conventions, Layout
 from mbcdm_cad.parts.bill import AssemblyStep, Bill, MovingBody
@@ -145,10 +145,5 @@ def input_wrap(design: ParallelLayout) -> Findings:
         yield at_most("largest wrap on the input", degrees(float(design.wraps_rad(angle)[0].max())), 350.0, "deg")
 
 
-CHECKS = (
-    *bending_checks((down("rope diameter_mm"),)),
-    *strength.FAMILIES[0].checks,
-    *motors.FAMILIES[0].checks,
-    input_wrap,
-)
+CHECKS = (*BENDING, *families(strength)[0].checks, *families(motors)[0].checks, input_wrap)
 LAYOUT = ParallelLayout

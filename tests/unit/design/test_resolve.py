@@ -387,7 +387,7 @@ def test_a_remedy_names_the_end_that_the_file_states(load_edited: Edit) -> None:
         check = next(c for c in checks_of(loaded.drive) if c.id == "wrap_left")
         assert run_check(check, layout_of(loaded.drive), Budget(0)).status == "fail"
         asked = {f"travel.{field}"}
-        _, required = offers(check, layout_of(loaded.drive), Budget(asked=lambda asked=asked: asked))
+        _, required = offers(check, layout_of(loaded.drive), Budget(requires=lambda asked=asked: asked))
         said.append(next(text for text in required if text.startswith(f"lower travel.{field} ")))
     half, end = (float(text.rpartition(" ")[2]) for text in said)
     assert abs((40.0 - end) / 2 - (70.0 - half)) < 0.05, said

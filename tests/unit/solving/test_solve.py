@@ -289,7 +289,7 @@ def test_what_may_move_are_fields_of_the_schema() -> None:
                 kind = get_type_hints(block).get(part)
                 assert kind is not None, f"{layout}: {freedom.field}"
                 block = next((one for one in get_args(kind) if is_block(one)), kind)
-        assert file.freedoms() or file.sizing is None, layout
+        assert file.freedoms() or not file.sizing, layout
 
 
 @pytest.mark.parametrize("layout", QUESTIONS)

@@ -13,7 +13,7 @@ import numpy as np
 from mbcdm_cad.checks import drum_sector, fixings, geometry, motors, springs, strength, structure, terminals
 from mbcdm_cad.checks.comparison import Check, Family, Findings, check, families
 from mbcdm_cad.checks.design_variables import Adjustment, down, downs, up, ups
-from mbcdm_cad.checks.input_pulley import pulley_checks
+from mbcdm_cad.checks.input_pulley import CHECKS as PULLEY_CHECKS
 from mbcdm_cad.checks.size import box_checks, mass_estimate
 from mbcdm_cad.checks.transfer import transfer_checks
 from mbcdm_cad.design.paths import at
@@ -22,7 +22,7 @@ from mbcdm_cad.layouts.miso_bevel.cable_path import FREE
 from mbcdm_cad.layouts.miso_bevel.checks import support_fits, support_walls
 from mbcdm_cad.layouts.miso_bevel.checks.spans import SPANS, STACKS, stacks
 from mbcdm_cad.layouts.miso_bevel.checks.support_fits import in_pocket
-from mbcdm_cad.layouts.miso_bevel.checks.transmission import BEARINGS, BENDING, GUIDE_FITS, RATIOS, SURFACES
+from mbcdm_cad.layouts.miso_bevel.checks.transmission import BEARINGS, BENDS, GUIDE_FITS, RATIOS, SURFACES, with_guide
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.coupling import collar_sweep_mm
 from mbcdm_cad.parts.part import pocket_corner_mm
@@ -200,11 +200,6 @@ ENVELOPE = (*box_checks(box_mm, _SOURCE, (_X, _Z, _Y)), mass_estimate)
 
 __all__ = ["CHECKS", "FAMILIES", "stacks"]
 
-_WIDER = (
-    up("transmission.input_radii_mm"),
-    down("transmission.ratios.input_to_guide"),
-    up("all radii of transmission"),
-)
 # First the checks of the mechanism, then those of the parts.
 FAMILIES = families(
     Family("Eq. (1) row by row, equal total ratio of both inputs, and the tension that a difference causes", RATIOS),
@@ -212,7 +207,7 @@ FAMILIES = families(
         "Pitch radii and surface radii: the surface is cut at r - d/2, which must be a radius that can be machined",
         SURFACES,
     ),
-    Family("Bend ratio D/d of the cable: on the pulleys, and at the stop inside the input pulley", BENDING),
+    Family("Bend ratio D/d of the cable: on the pulleys, and at the stop inside the input pulley", BENDS),
     Family(
         "The transfer point: four step planes on one pitch line, lands wide enough, "
         "guide and drum close but not touching",
@@ -239,7 +234,7 @@ FAMILIES = families(
     fixings,
     Family(
         "Input pulley, its stops and its coupling: bores, walls, and room for the parts on and around it",
-        pulley_checks(_WIDER),
+        with_guide(PULLEY_CHECKS),
     ),
     Family("Guide pulley and its axle: bearings inside, walls round them, bending of the axle", GUIDE_FITS),
     drum_sector,

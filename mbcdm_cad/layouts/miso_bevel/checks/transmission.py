@@ -5,14 +5,17 @@ and r_g4. The cables pull each input pulley with well over 100 N, more than a ge
 has a bearing at both ends.
 """
 
+from collections.abc import Iterable
+
 import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.checks import bearings
-from mbcdm_cad.checks.comparison import Comparison, Findings, at_most, check, noted
+from mbcdm_cad.checks.comparison import Check, Comparison, Findings, at_most, check, noted
 from mbcdm_cad.checks.design_variables import down, downs, up, ups
 from mbcdm_cad.checks.fixings import STRESS_SAFETY, bent_axle_Nmm, round_shaft_MPa
-from mbcdm_cad.checks.ratios import RATIO_TOLERANCE, anchor_bend, bending_checks, pair_mismatch, spread, surface_radius
+from mbcdm_cad.checks.ratios import BENDING, RATIO_TOLERANCE, anchor_bend, pair_mismatch, spread, surface_radius
+from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.bevel_transfer import cut_at_pitch
 from mbcdm_cad.layouts.miso_bevel.cable_path import GUIDE
 from mbcdm_cad.layouts.miso_bevel.drive import BevelRun
@@ -103,8 +106,13 @@ RATIOS = (
 SURFACES = (surface_radius, cut_at_pitch)
 
 
-_THINNER = (down("rope diameter_mm"), down("transmission.ratios.input_to_guide"), up("all radii of transmission"))
-BENDING = (*bending_checks(_THINNER), anchor_bend.but(adjust=_THINNER))
+def with_guide(checks: Iterable[Check]) -> tuple[Check, ...]:
+    """Checks whose remedies change the ratio of input to guide in place of that of input to drum."""
+    to_drum, to_guide = at.transmission.input_to_drum, down("transmission.ratios.input_to_guide")
+    return tuple(c.but(adjust=tuple(to_guide if a.path == to_drum else a for a in c.adjust)) for c in checks)
+
+
+BENDS = with_guide((*BENDING, anchor_bend))
 
 
 def guide_forces_N(s: BevelLayout) -> list[NDArray[np.float64]]:

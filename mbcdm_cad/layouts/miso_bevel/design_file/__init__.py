@@ -13,7 +13,7 @@ from typing import ClassVar, Literal
 from mbcdm_cad.design.blocks import Design, DriveTrain, Input, Length, SpanLimits, WoundRope
 from mbcdm_cad.design.drive import Sigmas
 from mbcdm_cad.design.fields import ESTIMATE, Block, EntryName, Integer, Number, choice, quantity
-from mbcdm_cad.design.loader import DesignFile, LazySizing, reference_of
+from mbcdm_cad.design.loader import DesignFile, reference_of
 from mbcdm_cad.design.resolve import Catalogue, by_step, preload_N, shared_sigmas, shared_values
 from mbcdm_cad.design.rules import Broken, NamedEntry, counted, encoders_needed, in_line_only, on_one_side, unique
 from mbcdm_cad.design.sector_blocks import SectorCable, SectorDrum, TransferClearances, WoundPulleys
@@ -392,6 +392,6 @@ DESIGN_FILE = DesignFile(
     broken_rules,
     named_entries,
     drive,
-    LazySizing("mbcdm_cad.layouts.miso_bevel.sizing"),
+    "mbcdm_cad.layouts.miso_bevel.sizing",
     Path(__file__).with_name("starting.txt").read_text("utf-8"),
 )

@@ -6,7 +6,7 @@ from typing import Literal
 
 from mbcdm_cad.design.blocks import Input
 from mbcdm_cad.design.fields import choice
-from mbcdm_cad.design.loader import DesignFile, LazySizing, reference_of
+from mbcdm_cad.design.loader import DesignFile, reference_of
 from mbcdm_cad.design.resolve import Catalogue
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.yamltree import FieldPath
@@ -99,6 +99,6 @@ DESIGN_FILE = DesignFile(
     broken_rules,
     of_one.named_entries,
     drive,
-    LazySizing("mbcdm_cad.layouts.miso_spur.sizing"),
+    "mbcdm_cad.layouts.miso_spur.sizing",
     STARTING,
 )

@@ -1,23 +1,95 @@
-"""The design file of siso_bevel: its own blocks, each field with its source, its rules, and a short file to start from.
+"""The drive of siso_bevel and its design file: its own blocks, each field with its source, its rules, a short file.
 
-Reference values of shared blocks are in ``reference.json``.
+Reference values of shared blocks are in ``reference.json``, the short file to start from in ``starting.txt``.
 """
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import ClassVar, Literal
 
 from mbcdm_cad.design.blocks import Design, Input, Length
 from mbcdm_cad.design.drive import Sigmas
-from mbcdm_cad.design.fields import ESTIMATE, Block, Integer, Number, choice, quantity
-from mbcdm_cad.design.loader import DesignFile, LazySizing, reference_of
+from mbcdm_cad.design.fields import ESTIMATE, Block, EntryName, Integer, Number, choice, quantity
+from mbcdm_cad.design.loader import DesignFile, reference_of
 from mbcdm_cad.design.resolve import Catalogue, by_step, preload_N, shared_sigmas, shared_values
 from mbcdm_cad.design.rules import Broken, NamedEntry, counted, encoders_needed, in_line_only, on_one_side, unique
-from mbcdm_cad.design.sector_blocks import SectorCable, SectorDrum, SteppedPulleys, TransferClearances
+from mbcdm_cad.design.sector_blocks import HeadSupport, SectorCable, SectorDrum, SteppedPulleys, TransferClearances
 from mbcdm_cad.design.yamltree import FieldPath
-from mbcdm_cad.layouts.siso_bevel import drive as d
-from mbcdm_cad.layouts.siso_bevel.drive import ColumnSupport
-from mbcdm_cad.parts.drum_sector.design import SectorBearings, sector_entries, sector_values, terminal_angle_rad
+from mbcdm_cad.parts.drum_sector.design import (
+    SectorBearings,
+    SectorDrive,
+    SectorRun,
+    sector_entries,
+    sector_values,
+    terminal_angle_rad,
+)
+
+# Source of the walls that stiffen the frame.
+CHOSEN = "for limits.frame_windup_max_mrad"
+
+
+@dataclass(frozen=True)
+class DirectRun(SectorRun):
+    """One cable: steps 1 and 2, the same on input and drum."""
+
+    @property
+    def land_y_mm(self) -> float:
+        """y of the cable on the drum, mm: the transfer point is (0, r_m, r_o)."""
+        return self.input_radius_mm
+
+
+@dataclass(frozen=True, kw_only=True)
+class ColumnSupport(HeadSupport):
+    """Frame with the drum's bearings and the pulley's box, and the motor head on top of it."""
+
+    ORDER: ClassVar[tuple[str, ...]] = (
+        *("material", "back_y_mm", "back_plate_mm", "side_wall_mm"),
+        *("motor_shelf_mm", "coupling_space_mm", "bearing_shelf_mm", "encoder_shelf_mm"),
+    )
+
+    material: EntryName = choice("material of frame and motor head", source=ESTIMATE, reference="aluminium-7075")
+    back_y_mm: Number = quantity(
+        "outer face of the back plate", "[-300, -1]", source="the pulley clears the back plate", reference=-17.3
+    )
+    back_plate_mm: Number = quantity("back plate thickness", "[0.3, 50]", source=CHOSEN, reference=3.0)
+    side_wall_mm: Number = quantity(
+        "side walls of the pulley's box, with the motor head's screws",
+        "[0.3, 50]",
+        source="walls beside an M2 thread",
+        reference=4.0,
+    )
+    coupling_space_mm: Number = quantity(
+        "height between the shelves: coupling collar, gearhead screws and the tools for both",
+        "[2, 100]",
+        source=ESTIMATE,
+        reference=9.6,
+    )
+    rib_mm: Number = quantity("side walls of the column", "[0.3, 50]", source=CHOSEN, reference=5.0)
+
+    mount_screw: Literal["M3", "M4", "M5", "M6"] = choice(
+        "screws that hold the frame on its base", source=ESTIMATE, reference="M3", default="M3"
+    )
+
+
+@dataclass(frozen=True)
+class DirectDrive(SectorDrive):
+    """A drive whose one input turns the drum without a guide.
+
+    ``reserve_deg``: wrap that stays on the input at the unwound end of the travel.
+    """
+
+    cables: tuple[DirectRun, ...]
+    clearances: TransferClearances
+    reserve_deg: float
+    radii_explicit: bool
+    support: ColumnSupport
+
+    @property
+    def total_ratio(self) -> float:
+        """i = r_o / r_m of the first step."""
+        return self.cables[0].drum_radius_mm / self.cables[0].input_radius_mm
+
 
 REFERENCE = reference_of(Path(__file__).parent)
 
@@ -92,7 +164,7 @@ class DirectDesign(Design):
 _SIGN = {"-x": -1, "+x": 1}
 
 
-def drive(design: DirectDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> d.DirectDrive:
+def drive(design: DirectDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> DirectDrive:
     """The drive of a valid design; its cables are in the order of their steps."""
     places = by_step(design.cables)
     pulleys = input_radii_mm(design.transmission)
@@ -100,14 +172,14 @@ def drive(design: DirectDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath,
     def radii(name: str) -> tuple[float, ...]:
         return tuple(sigmas.get(("transmission", name, design.cables[k].step - 1), 0.0) for k in places)
 
-    return d.DirectDrive(
+    return DirectDrive(
         **shared_values(design, catalogue),
         **sector_values(design, catalogue),
         # The cable stays in its plane; the reserve is given as an angle.
         helix_lead_mm=0.0,
         dead_turns=design.transmission.reserve_deg / 360.0,
         cables=tuple(
-            d.DirectRun(
+            DirectRun(
                 name=cable.name,
                 input_name=cable.input,
                 drum_side=_SIGN[cable.drum_side],
@@ -187,6 +259,6 @@ DESIGN_FILE = DesignFile(
     broken_rules,
     named_entries,
     drive,
-    LazySizing("mbcdm_cad.layouts.siso_bevel.sizing"),
+    "mbcdm_cad.layouts.siso_bevel.sizing",
     Path(__file__).with_name("starting.txt").read_text("utf-8"),
 )

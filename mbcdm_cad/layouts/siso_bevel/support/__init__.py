@@ -27,7 +27,7 @@ from dataclasses import dataclass
 from math import sqrt
 
 from mbcdm_cad.layouts.sector import head_frame
-from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
+from mbcdm_cad.layouts.siso_bevel.design_file import DirectDrive
 from mbcdm_cad.parts.boss import boss, column_start_mm
 from mbcdm_cad.parts.drum_sector.design import END_PLAY_MM, SHELF_GAP_MM, LandLevels
 from mbcdm_cad.parts.drum_sector.sizes import terminal_half_mm

@@ -7,14 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mbcdm_cad.checks import motor_head, size, terminals
 from mbcdm_cad.checks.bearings import carried_check, input_reactions
 from mbcdm_cad.checks.comparison import Comparison, Family, Findings, at_most, check, check_for, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up, ups
 from mbcdm_cad.checks.fixings import STRESS_SAFETY
 from mbcdm_cad.checks.geometry import CABLE_GAP_MM, HOLE_WEB_MM, frame_front, rim_points, web_between, wrap_points
-from mbcdm_cad.checks.motor_head import boss_walls, encoder_shelf
-from mbcdm_cad.checks.size import box_checks, mass_estimate
-from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import PRINTED_WINDUP, NoFigureError
@@ -53,18 +51,11 @@ def walls(s: SpurLayout) -> Findings:
     """The thinnest wall of frame and motor head, against the minimum of the material."""
     support, f = s.drive.support, s.frame
     limit = s.drive.frame_material.min_wall_mm
-    names: tuple[str, ...] = (
-        "plate_mm",
-        "bridge_mm",
-        "side_wall_mm",
-        "motor_shelf_mm",
-        "bearing_shelf_mm",
-        "encoder_shelf_mm",
-    )
+    names: tuple[str, ...] = ("plate", "bridge", "side_wall", "motor_shelf", "bearing_shelf", "encoder_shelf")
     if s.drive.overhung:
-        names = ("plate_mm",) if s.drive.servo else ("plate_mm", "motor_shelf_mm")
+        names = ("plate",) if s.drive.servo else ("plate", "motor_shelf")
     for name in names:
-        yield f"support.{name}", getattr(support, name), limit
+        yield f"support.{name}_mm", getattr(support, f"{name}_mm"), limit
     if s.drive.overhung:
         return
     yield "wall of the motor head", s.head.outer_x - s.head.inner_x, limit
@@ -185,7 +176,7 @@ def boss(s: SpurLayout) -> Findings:
     round_seat = max(f.half_width, f.boss.radius) - f.boss.seat_radius
     yield "plate round the boss", round_seat, s.drive.frame_material.min_wall_mm
     yield "plate before the end of the boss", s.levels.plate_back_y - f.boss.encoder_pocket_floor_y, 0.0
-    yield from boss_walls(s)
+    yield from motor_head.boss_walls(s)
 
 
 def _long_yoke(s: SpurLayout) -> bool:
@@ -221,7 +212,7 @@ def bearing_line(s: SpurLayout) -> Comparison:
 
 SUPPORT = Family(
     "Frame: walls thick enough to be made, metal round its holes, space for pulley, drum and screws.",
-    (walls, bearing_seats, encoder_shelf, bearing_line, input_room, flange, mounts, boss),
+    (walls, bearing_seats, motor_head.encoder_shelf, bearing_line, input_room, flange, mounts, boss),
 )
 
 
@@ -276,7 +267,7 @@ def outline(s: SpurLayout, f: YokeDims, d: DrumDims) -> NDArray[np.float64]:
     sector = [
         rim_points(d),
         wrap_points(d, s.flank_mm),
-        *(o for t in d.tensioners for _, o, _, _ in bodies_of(s, t, moved=False)),
+        *(o for t in d.tensioners for _, o, _, _ in terminals.bodies_of(s, t, moved=False)),
     ]
     encoder = drive.drum_encoder.diameter_mm / 2
     bodies = body_radius_mm(drive)
@@ -400,7 +391,7 @@ def parallel_spread(s: SpurLayout) -> Comparison:
 
 _X: tuple[Adjustment, ...] = (down(at.drum.sector_half_angle_deg), up(at.drum.sector_half_angle_deg))
 _Y: tuple[Adjustment, ...] = (down(at.support.coupling_space_mm), up(at.support.coupling_space_mm))
-BOX = (*box_checks(box_mm, at.targets.envelope_mm, (_X, _Z, _Y)), mass_estimate)
+BOX = (*size.box_checks(box_mm, at.targets.envelope_mm, (_X, _Z, _Y)), size.mass_estimate)
 GAPS = (frame_front, drum_and_input, bodies_behind)
 DOWELS = (hub_dowels, dowel_holes)
 ROOM = Family(

@@ -11,11 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.checks.bearings import LESS, RATING, STATIC_SAFETY, larger, safety
+from mbcdm_cad.checks import bearings, geometry
 from mbcdm_cad.checks.comparison import Findings, check_for
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.fixings import FRICTION, SLIP_SAFETY, STRESS_SAFETY, bent_axle_Nmm, round_shaft_MPa
-from mbcdm_cad.checks.geometry import drum_zones
 from mbcdm_cad.layouts.siso_spur.idlers import FLANGE_MM, StandDims, strap_screw
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.routes import flange_radius_mm
@@ -48,7 +47,7 @@ def idler_turns(s: SpurLayout) -> Findings:
     drive = s.drive
     spec, radius = drive.idler_bearing, drive.leading.radius_mm
     tensions = {name: [state[j] for _, state in s.loads.states] for j, name in enumerate(s.loads.si.cable_names)}
-    for body, _, (cable, n) in s.idlers:
+    for body, _, cable, n in s.idlers:
         wrap = float(drive.strand.wraps[n])
         for tension in tensions[cable.name]:
             pull = 2.0 * float(tension) * np.sin(wrap / 2)
@@ -95,35 +94,36 @@ def bearing_forces_N(s: SpurLayout) -> list[LoadedPin]:
         for loads in s.loads.on_bodies:
             for walked in (-s.drive.walk_mm / 2, s.drive.walk_mm / 2):
                 forces = list[NDArray[np.float64]]()
-                for body, own in zip(pin.bodies, pin.idlers, strict=True):
+                for body, own, _, _ in pin:
                     rear, front = own.bearings_mm
                     force, at = loads.bodies[body].force_N, (own.bottom_z + own.top_z) / 2 + walked
                     on_front = force * (at - rear) / max(front - rear, 1e-9)
                     forces += [force - on_front, on_front]
                 states.append(np.stack(forces))
-        places = tuple(at for own in pin.idlers for at in own.bearings_mm)
-        found.append(LoadedPin(pin.bodies, places, unit.frame.stands[pin.number], states))
+        places = tuple(at for own in pin for at in own.dims.bearings_mm)
+        bodies, stand = tuple(own.body for own in pin), unit.frame.stands[pin[0].number]
+        found.append(LoadedPin(bodies, places, stand, states))
     return found
 
 
-@_idler_check("Idlers' bearings carry the cables", RATING, *LESS, advice_on=larger)
+@_idler_check("Idlers' bearings carry the cables", bearings.RATING, *bearings.LESS, advice_on=bearings.larger)
 def idler_bearings(s: SpurLayout) -> Findings:
     """Static safety of the idlers' bearings, the cable at either end of its walk."""
     spec = s.drive.idler_bearing
     for pin in s.once("idler_forces", bearing_forces_N):
         for k, body in enumerate(pin.bodies):
-            yield safety(
+            yield bearings.safety(
                 spec,
                 f"bearings of {body}",
                 max(float(np.linalg.norm(forces[2 * k : 2 * k + 2], axis=1).max()) for forces in pin.states_N),
-                STATIC_SAFETY,
+                bearings.STATIC_SAFETY,
             )
 
 
 @_idler_check(
     "Idlers' axles are strong enough",
     "beam theory; 1.5 on yield: usual rule",
-    *LESS,
+    *bearings.LESS,
     advice="choose an idlers.bearing of larger bore",
     unit="times",
 )
@@ -142,7 +142,7 @@ def idler_axles(s: SpurLayout) -> Findings:
 @_idler_check(
     "Strap of the idlers holds on its posts",
     "clamp force x 0.15; 1.2: usual rule; posts: beam theory, 1.5 on yield",
-    *LESS,
+    *bearings.LESS,
     advice="choose a larger support.mount_screw",
     unit="times",
 )
@@ -184,9 +184,9 @@ def idler_room(s: SpurLayout) -> Findings:
     """Gaps of the idlers to the drum with its terminals, to the input, and to each other; wall over their bearings."""
     drive, running = s.drive, s.drive.clearances.running_mm
     flange = flange_radius_mm(drive.leading.radius_mm, drive.cable.diameter_mm)
-    own = s.idlers[0][1]
+    own = s.idlers[0].dims
     pulley = max(s.inputs[0].lower_land_radius, drive.input_radius_mm + s.flank_mm)
-    swept = max(drum_zones(s), key=lambda ring: ring.outer)
+    swept = max(geometry.drum_zones(s), key=lambda ring: ring.outer)
     yield "wall of an idler over its bearings", own.surface_radii[1] - own.seat_radius, drive.drum_material.min_wall_mm
     for place in drive.idler_places:
         to_drum = hypot(place.x_mm, place.z_mm) - flange - swept.outer
@@ -194,10 +194,8 @@ def idler_room(s: SpurLayout) -> Findings:
         to_input = hypot(place.x_mm, drive.centre_distance_mm - place.z_mm) - flange - pulley
         yield "idlers from the input pulley", to_input, running
     # One of each axle; those on it are one pitch apart, as their sectors are.
-    stand = [
-        (pin.bodies[0], pin.side * drive.idler_places[pin.number].x_mm, drive.idler_places[pin.number].z_mm)
-        for pin in s.input_units[0].pins
-    ]
+    axles = [(one.body, one.cable.drum_side, drive.idler_places[one.number]) for one, *_ in s.input_units[0].pins]
+    stand = [(body, side * place.x_mm, place.z_mm) for body, side, place in axles]
     for (one, x, z), (two, other_x, other_z) in combinations(stand, 2):
         gap = hypot(x - other_x, z - other_z) - 2 * flange
         yield f"{one} from {two}", gap, running

@@ -13,12 +13,10 @@ from operator import attrgetter
 
 import numpy as np
 
+from mbcdm_cad.checks import geometry, input_pulley, terminals
 from mbcdm_cad.checks.comparison import Comparison, Family, Findings, at_least, at_most, check, check_for, noted
-from mbcdm_cad.checks.design_variables import Adjustment, down, downs, up, ups
-from mbcdm_cad.checks.geometry import CABLE_GAP_MM, cables_apart
-from mbcdm_cad.checks.input_pulley import coupling_checks, dead_turns, stop_checks
-from mbcdm_cad.checks.ratios import SURFACE_TOLERANCE_MM, anchor_bend, bending_checks, surface_radius
-from mbcdm_cad.checks.terminals import bodies_of
+from mbcdm_cad.checks.design_variables import down, downs, up, ups
+from mbcdm_cad.checks.ratios import BENDING, SURFACE_TOLERANCE_MM, anchor_bend, surface_radius
 from mbcdm_cad.checks.transfer import MORE_WRAP, SLIPS, WRAPS, stack_check, transmission_error, wrap_under_turn
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import NoFigureError
@@ -50,17 +48,15 @@ def cut_at_pitch(s: SpurLayout) -> Findings:
         )
 
 
-WIDER: tuple[Adjustment, ...] = (
-    *downs(at.transmission.input_to_drum, "rope diameter_mm"),
-    up("all radii of transmission"),
-)
 _IS_ANCHORED = attrgetter("anchored")
-_RADII = (surface_radius, cut_at_pitch, *bending_checks(WIDER), anchor_bend.but(adjust=WIDER, applies=_IS_ANCHORED))
+_RADII = (surface_radius, cut_at_pitch, *BENDING, anchor_bend.but(applies=_IS_ANCHORED))
 _STOPS = (
-    dead_turns.but(adjust=(up(at.transmission.turns), *downs(at.transmission.input_to_drum, at.travel.half_angle_deg))),
-    *stop_checks(WIDER),
+    input_pulley.dead_turns.but(
+        adjust=(up(at.transmission.turns), *downs(at.transmission.input_to_drum, at.travel.half_angle_deg))
+    ),
+    *input_pulley.STOPS,
 )
-PULLEY_FITS = (*(check.but(applies=_IS_ANCHORED) for check in _STOPS), *coupling_checks(WIDER))
+PULLEY_FITS = (*(check.but(applies=_IS_ANCHORED) for check in _STOPS), *input_pulley.COUPLING)
 
 
 # Largest fleet angle on a smooth pulley (rope makers); from a groove the cable leaves in line with it.
@@ -87,7 +83,7 @@ def free_span(s: SpurLayout) -> Comparison:
     """Centre distance compared with the sum of the pitch radii."""
     drive = s.drive
     reach = drive.drum_radius_mm + drive.input_radius_mm
-    return at_least("centre distance over r_o + r_i", drive.centre_distance_mm - reach, CABLE_GAP_MM, "mm")
+    return at_least("centre distance over r_o + r_i", drive.centre_distance_mm - reach, geometry.CABLE_GAP_MM, "mm")
 
 
 def _turns_that_hold(s: SpurLayout) -> str:
@@ -206,7 +202,7 @@ def input_walk(s: SpurLayout) -> Comparison:
 def land_spacing(s: SpurLayout) -> Comparison:
     """Gap along y between the parts of the drum that both sides use over the travel."""
     gap = 2 * (s.drive.land_mm - s.drive.walk_mm / 2) - s.drive.cable.diameter_mm
-    return at_least("gap of the two sides on the drum, walk included", gap, CABLE_GAP_MM, "mm")
+    return at_least("gap of the two sides on the drum, walk included", gap, geometry.CABLE_GAP_MM, "mm")
 
 
 @check("The cable lies within the rim", at.clearances.land_edge_mm, up(at.drum.outer_face_y_mm))
@@ -271,7 +267,7 @@ _WINDING = (
     input_walk,
     fleet_angle,
     land_spacing,
-    cables_apart.but(
+    geometry.cables_apart.but(
         source="derived: the spans converge; 0.1 mm: estimate",
         adjust=(down(at.transmission.centre_distance_mm),),
         applies=_IS_ANCHORED,
@@ -362,7 +358,7 @@ def terminal_clears_input(s: SpurLayout) -> Findings:
     for t in s.drum.tensioners:
         turn = -t.side * s.half_travel_rad
         c, sine = cos(turn), sin(turn)
-        for name, outline, _, _ in bodies_of(s, t):
+        for name, outline, _, _ in terminals.bodies_of(s, t):
             gaps = []
             for x, z in outline.tolist():
                 # About Y from Z towards X, as the drum turns.
@@ -381,7 +377,7 @@ def _come_by(s: SpurLayout, reach_mm: float) -> Findings:
     if not drive.overhung:
         end = min(end, f.shelf_bottom_z)
     for t in s.drum.tensioners:
-        for name, outline, _, _ in bodies_of(s, t):
+        for name, outline, _, _ in terminals.bodies_of(s, t):
             gap = end - float(np.hypot(*outline.T).max())
             what = f"{name} of {t.cable_name} from the input and its yoke as it comes by"
             yield what, gap, drive.clearances.running_mm
@@ -402,7 +398,7 @@ def turns_on_drum(s: SpurLayout) -> Findings:
     """
     drive, d = s.drive, s.drum
     lead, wall = drive.helix_lead_mm * drive.total_ratio, drive.drum_material.min_wall_mm
-    yield "lead of the helix on the drum over the cable", lead - 2 * s.flank_mm, CABLE_GAP_MM
+    yield "lead of the helix on the drum over the cable", lead - 2 * s.flank_mm, geometry.CABLE_GAP_MM
     for t in d.tensioners:
         gap = drive.turn_beside_mm(pocket_end_rad(t)) - d.nut_pocket
         if gap < inf:

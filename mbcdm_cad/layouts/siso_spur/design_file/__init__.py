@@ -5,7 +5,7 @@ from typing import Any
 
 from mbcdm_cad.design.bought import NO_BEARING, NO_ENCODER, own_bearing, without_encoder
 from mbcdm_cad.design.drive import Sigmas
-from mbcdm_cad.design.loader import DesignFile, LazySizing
+from mbcdm_cad.design.loader import DesignFile
 from mbcdm_cad.design.resolve import Catalogue, preload_N, shared_sigmas, shared_values
 from mbcdm_cad.design.rules import Broken, NamedEntry, counted, on_one_side
 from mbcdm_cad.design.sector_blocks import MOST_SECTOR_DEG
@@ -256,11 +256,5 @@ def named_entries(design: SpurBlocks) -> Iterator[NamedEntry]:
 
 STARTING = starting("siso_spur", 2.0)
 DESIGN_FILE = DesignFile(
-    SpurDesign,
-    REFERENCE.values,
-    broken_rules,
-    named_entries,
-    drive,
-    LazySizing("mbcdm_cad.layouts.siso_spur.sizing"),
-    STARTING,
+    SpurDesign, REFERENCE.values, broken_rules, named_entries, drive, "mbcdm_cad.layouts.siso_spur.sizing", STARTING
 )

@@ -159,9 +159,7 @@ def _last(given: SpurKnown) -> Found:
     lambda given: given.has("first_stage.total_ratio"),
 )
 def _first(given: SpurKnown) -> float:
-    last = last_ratio(given.get)
-    assert last is not None
-    return float(given["first_stage.total_ratio"]) / last
+    return float(given["first_stage.total_ratio"]) / last_ratio(given.get)
 
 
 @rule("drive.motor", "that of the first stage", "first_stage", _HAS_FIRST_STAGE)
@@ -190,16 +188,16 @@ def with_room(size: Callable[..., Sizing], data: dict[str, Any], similar: Sizing
         return found
     design = block.get("design") or {}
     own = design.get("transmission") or {}
+    if DISTANCE in own:
+        return found
     words: dict[str, float] = {}
     for _ in range(_ROUNDS):
-        layout = _under_test(found)
-        if layout is None or DISTANCE in own:
-            break
-        first = layout.first_stage_unit
         try:
+            layout: Any = SpurKnown(found.data, {}).drives.under_test(found.data)
+            first = layout.first_stage_unit
             miss = motor_beside_mm(layout, first)
-        except NoFigureError:
-            break  # what the file states leaves one of the stages no geometry; its checks say so
+        except (NoFigureError, SizingError):
+            break  # what the file states gives no drive, or leaves a stage no geometry; its checks say so
         wrapped = wrap_left.measure(first).holds
         if miss <= 0.0 and (wrapped or RADIUS in words or not words):
             break
@@ -221,12 +219,3 @@ def with_room(size: Callable[..., Sizing], data: dict[str, Any], similar: Sizing
         for name, value in words.items()
     )
     return replace(found, values=(*found.values, *told))
-
-
-def _under_test(found: Sizing) -> Any:
-    """The design under test; None for no drive."""
-    given = SpurKnown(found.data, {})
-    try:
-        return given.drives.under_test(found.data)
-    except (NoFigureError, SizingError):
-        return None

@@ -168,7 +168,7 @@ def _idler_forces(
         supports = stand.supports_mm
         pairs = np.zeros((2, 3))
         couples = np.zeros(2)
-        for body, own, (_, number) in layout.idlers:
+        for body, own, _, number in layout.idlers:
             if number != n - 1:
                 continue
             load, middle = body_load(routes, body, tension_N), (own.bottom_z + own.top_z) / 2

@@ -3,7 +3,7 @@
 import pytest
 
 from mbcdm_cad.layouts.loader import load_text, new_design_text
-from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
+from mbcdm_cad.layouts.siso_bevel.design_file import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 
 

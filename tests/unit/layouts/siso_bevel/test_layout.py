@@ -14,7 +14,7 @@ from mbcdm_cad.layouts.loader import layout_of, new_design_text
 from mbcdm_cad.layouts.siso_bevel.bill import bill
 from mbcdm_cad.layouts.siso_bevel.cable_path import full_input_turn_deg, stop_of, taken_rad
 from mbcdm_cad.layouts.siso_bevel.checks import drum_sweep, highest_ratio, input_under_turn
-from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
+from mbcdm_cad.layouts.siso_bevel.design_file import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.layouts.siso_bevel.support import pocket_corner_radius_mm
 from mbcdm_cad.layouts.siso_bevel.support.stiffness import frame_compliance, seat_forces

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.layouts.siso_bevel.cable_path import transfer_stretch_mm
-from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
+from mbcdm_cad.layouts.siso_bevel.design_file import DirectDrive
 from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
 from tests.support.sliced_cables import by_bisection, contact_point_m
 
