@@ -341,7 +341,7 @@ class Search(Runs):
             begun += each([partial(self._begun, now, c) for c in chosen])
             begun.sort(key=self.log_of, reverse=True)
             # A linear step says little where friction is worked: all names that a set may hold are refitted.
-            least = self.log_of(begun[0]) - evidence.LOG_ODDS
+            least = max(map(self.log_of, begun), default=np.inf) - evidence.LOG_ODDS
             names = {one.effects[-1].name for one in begun if self.log_of(one) > least}
             chosen = [one for one in ranked if one.effect.name in names]
         # Other forms of the likeliest, while one of them is likelier; a term more is taken as an effect more is.
