@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Check, Comparison, Findings, at_least, at_most, check, check_for
-from mbcdm_cad.checks.design_variables import down, downs, up
+from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.design.bought import Bearing
 from mbcdm_cad.design.catalogue import smallest_entry
 from mbcdm_cad.design.paths import at
@@ -27,7 +27,7 @@ BEARING_PLAY_MM = 0.01
 GEARHEAD_PLAY_MM = 0.02
 # Lengths of a pulley between its bearings whose bending is added up.
 _PLACES = 400
-LESS = downs(at.rope.preload_N, at.loads.peak_torque_Nm)
+LESS = down(at.rope.preload_N, at.loads.peak_torque_Nm)
 RATING = "bearing catalogue; static safety 1: bearing makers, normal running"
 # Of a drive whose input pulleys have bearings of their own, and couple to the motor without belt or gears.
 carried_check = check_for(lambda drive: not drive.overhung)
@@ -147,7 +147,7 @@ def input_bearings(s: SectorLayout) -> Findings:
     yield from input_safety(s, STATIC_SAFETY)
 
 
-@check("Drum's bearings carry cables and payload", RATING, *LESS, down(at.support.back_y_mm), advice_on=larger)
+@check("Drum's bearings carry cables and payload", RATING, *LESS, *down(at.support.back_y_mm), advice_on=larger)
 def drum_bearings(s: SectorLayout) -> Findings:
     """Static safety of the bearings of the drum's shaft."""
     yield from drum_safety(s, STATIC_SAFETY)
@@ -161,7 +161,7 @@ def quiet_running(s: SectorLayout) -> Findings:
     yield from drum_safety(s, QUIET_SAFETY)
 
 
-@check("Distance between the drum's bearings", "usual rule: one bearing width", down(at.support.back_y_mm))
+@check("Distance between the drum's bearings", "usual rule: one bearing width", *down(at.support.back_y_mm))
 def drum_bearing_spacing(s: SectorLayout) -> Comparison:
     """Distance between the drum's bearings, without the spring between them: at least one bearing width."""
     shaft = s.drum_shaft
@@ -174,7 +174,7 @@ def drum_bearing_spacing(s: SectorLayout) -> Comparison:
     "Deflection of the input pulleys at the coupling",
     "play of gearheads: 0.02 mm, estimate",
     *LESS,
-    up("all radii of transmission"),
+    *up("all radii of transmission"),
     advice="choose an input_pulleys.lower_bearing of larger bore, which makes the pulley's journal stiffer",
     warn=True,
 )

@@ -38,24 +38,14 @@ class Adjustment(NamedTuple):
     sense: int
 
 
-def up(path: str) -> Adjustment:
-    """Raise the design variable."""
-    return Adjustment(path, 1)
-
-
-def down(path: str) -> Adjustment:
-    """Lower the design variable."""
-    return Adjustment(path, -1)
-
-
-def ups(*paths: str) -> tuple[Adjustment, ...]:
+def up(*paths: str) -> tuple[Adjustment, ...]:
     """Raise one of the design variables."""
-    return tuple(map(up, paths))
+    return tuple(Adjustment(path, 1) for path in paths)
 
 
-def downs(*paths: str) -> tuple[Adjustment, ...]:
+def down(*paths: str) -> tuple[Adjustment, ...]:
     """Lower one of them."""
-    return tuple(map(down, paths))
+    return tuple(Adjustment(path, -1) for path in paths)
 
 
 def _set_in(block: Any, names: list[str], value: float) -> Any:
@@ -102,6 +92,7 @@ def by_path(variables: Iterable[DesignVariable]) -> dict[str, DesignVariable]:
     return {variable.path: variable for variable in variables}
 
 
+LESS_TORQUE = down(at.loads.peak_torque_Nm)
 # Of a drive whose input turns the drum itself.
 INPUT_TO_DRUM = DesignVariable(
     at.transmission.input_to_drum,

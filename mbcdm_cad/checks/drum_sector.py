@@ -3,7 +3,7 @@
 from math import asin, degrees, radians
 
 from mbcdm_cad.checks.comparison import TOLERANCE, Comparison, Findings, at_least, at_most, check, check_for, worst
-from mbcdm_cad.checks.design_variables import down, downs, up, ups
+from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import NoFigureError
@@ -25,7 +25,7 @@ _WALL = "material: min_wall_mm"
 stop_check = check_for(lambda drive: drive.stopped)
 
 
-@check("Rim under pockets and lands", _WALL + " x 1.5: estimate", down(at.drum.rim_inner_radius_mm))
+@check("Rim under pockets and lands", _WALL + " x 1.5: estimate", *down(at.drum.rim_inner_radius_mm))
 def rim_height(s: SectorLayout) -> Comparison:
     """Height of the rim below the deepest pocket and the smallest land."""
     d = s.drum
@@ -39,9 +39,9 @@ def rim_height(s: SectorLayout) -> Comparison:
 @check(
     "Web lies within the rim",
     _WALL,
-    up(at.drum.outer_face_y_mm),
-    down(at.drum.web_thickness_mm),
-    up(at.drum.web_thickness_mm),
+    *up(at.drum.outer_face_y_mm),
+    *down(at.drum.web_thickness_mm),
+    *up(at.drum.web_thickness_mm),
 )
 def web_in_rim(s: SectorLayout) -> Findings:
     """The web lies within the width of the rim and is at least as thick as the material allows."""
@@ -53,8 +53,8 @@ def web_in_rim(s: SectorLayout) -> Findings:
 @check(
     "Every land is half a cable wide",
     "derived",
-    down(at.clearances.land_edge_mm),
-    *ups("all radii of transmission", at.drum.outer_face_y_mm),
+    *down(at.clearances.land_edge_mm),
+    *up("all radii of transmission", at.drum.outer_face_y_mm),
 )
 def land_thickness(s: SectorLayout) -> Findings:
     """Width of every land along y, at least half a cable."""
@@ -62,7 +62,7 @@ def land_thickness(s: SectorLayout) -> Findings:
         yield f"width of the land of step {land.step}", land.y_end - land.y_start, s.flank_mm
 
 
-@check("Hub's walls round threads and screws", _WALL, up(at.drum.hub_diameter_mm))
+@check("Hub's walls round threads and screws", _WALL, *up(at.drum.hub_diameter_mm))
 def hub_walls(s: SectorLayout) -> Findings:
     """Walls of the hub round the payload's threads and round the threads of its set screws."""
     d = s.drum
@@ -76,7 +76,7 @@ def hub_walls(s: SectorLayout) -> Findings:
 
 
 @check(
-    "Hub is long enough", "usual rule: one shaft diameter", up(at.drum.hub_face_y_mm), down(at.drum.web_thickness_mm)
+    "Hub is long enough", "usual rule: one shaft diameter", *up(at.drum.hub_face_y_mm), *down(at.drum.web_thickness_mm)
 )
 def hub_length(s: SectorLayout) -> Findings:
     """The hub holds the shaft over at least one diameter, and has room for the set screws in front of the web.
@@ -99,7 +99,7 @@ def hub_length(s: SectorLayout) -> Findings:
 @check(
     "Hub bears on the front bearing",
     "bearing catalogue; 0.3 mm: estimate; material: min_wall_mm",
-    up(at.drum.hub_diameter_mm),
+    *up(at.drum.hub_diameter_mm),
     advice="choose another drum.bearing",
 )
 def hub_spigot(s: SectorLayout) -> Findings:
@@ -147,7 +147,7 @@ def _wider_bearing(s: SectorLayout) -> str:
     return ""
 
 
-@check("Wall of the drum shaft", _WALL, down(at.drum.shaft_bore_mm), advice=_wider_bearing)
+@check("Wall of the drum shaft", _WALL, *down(at.drum.shaft_bore_mm), advice=_wider_bearing)
 def shaft_wall(s: SectorLayout) -> Findings:
     """Wall thickness of the hollow drum shaft."""
     shaft = s.drum_shaft
@@ -167,10 +167,10 @@ def _larger_drum(s: SectorLayout) -> str:
 @stop_check(
     "Stop slot lies in the web",
     _WALL + " x 2: estimate",
-    up(at.drum.rim_inner_radius_mm),
-    down(at.drum.hub_diameter_mm),
-    up(at.drum.sector_half_angle_deg),
-    *downs(at.travel.half_angle_deg, at.travel.stop_clearance_deg, at.support.coupling_space_mm),
+    *up(at.drum.rim_inner_radius_mm),
+    *down(at.drum.hub_diameter_mm),
+    *up(at.drum.sector_half_angle_deg),
+    *down(at.travel.half_angle_deg, at.travel.stop_clearance_deg, at.support.coupling_space_mm),
     advice=_larger_drum,
 )
 def stop_slot(s: SectorLayout) -> Findings:
@@ -195,14 +195,16 @@ def _stop_angle_deg(s: SectorLayout) -> float:
     return float(d.stop_slot_end_deg + degrees(play / d.stop_radius) - s.drive.half_travel_deg)
 
 
-@stop_check("Stops engage after the travel", "derived", up(at.travel.stop_clearance_deg))
+@stop_check("Stops engage after the travel", "derived", *up(at.travel.stop_clearance_deg))
 def stop_after_travel(s: SectorLayout) -> Comparison:
     """Angle between the end of the travel and the stop: not less than zero."""
     return at_least("stops engage beyond the travel by", _stop_angle_deg(s), 0.0, "deg")
 
 
 @stop_check(
-    "Stops engage within half a degree", "derived: the reference's 35.0 to 35.5 deg", down(at.travel.stop_clearance_deg)
+    "Stops engage within half a degree",
+    "derived: the reference's 35.0 to 35.5 deg",
+    *down(at.travel.stop_clearance_deg),
 )
 def stop_within_half_degree(s: SectorLayout) -> Comparison:
     """Angle between the end of the travel and the stop: at most half a degree."""

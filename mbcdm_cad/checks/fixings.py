@@ -9,7 +9,7 @@ import numpy as np
 
 from mbcdm_cad.checks.bearings import carried_check, drum_reactions_N, reactions
 from mbcdm_cad.checks.comparison import Comparison, Findings, check, noted
-from mbcdm_cad.checks.design_variables import down, downs, up
+from mbcdm_cad.checks.design_variables import LESS_TORQUE, down, up
 from mbcdm_cad.checks.drum_sector import stop_check
 from mbcdm_cad.checks.strength import rated_input_Nm
 from mbcdm_cad.design.bought import Material, Screw
@@ -31,7 +31,6 @@ CLAMP_SAFETY = 1.8
 STRESS_SAFETY = 1.5
 # Friction of a greased small bearing, of its mean diameter (bearing makers).
 BEARING_FRICTION = 0.0015
-_LESS = down("loads.peak_torque_Nm")
 
 
 def lasting_MPa(material: Material) -> float:
@@ -59,7 +58,7 @@ def bent_axle_Nmm(forces_N: Floats, at_mm: Sequence[float], ends_mm: tuple[float
 @carried_check(
     "Clamp collars hold the torque",
     "mu N d; class 8.8 at 0.7 of yield, mu 0.15: usual values",
-    _LESS,
+    *LESS_TORQUE,
     advice="choose a drive.gearhead with a thicker shaft",
     unit="times",
 )
@@ -138,8 +137,8 @@ def strongest(s: SectorLayout) -> Strongest:
 @stop_check(
     "Stop pin holds stalled motors",
     "beam theory; 1.5 on yield: usual rule",
-    *downs("drum.web_thickness_mm", "loads.peak_torque_Nm"),
-    up("all radii of transmission"),
+    *down("drum.web_thickness_mm", "loads.peak_torque_Nm"),
+    *up("all radii of transmission"),
     unit="times",
 )
 def stop_pin(s: SectorLayout) -> Findings:
@@ -155,8 +154,8 @@ def stop_pin(s: SectorLayout) -> Findings:
 @carried_check(
     "Stress in the input pulleys' necks",
     "beam theory; 1.5 on yield: usual rule",
-    _LESS,
-    down("rope.preload_N"),
+    *LESS_TORQUE,
+    *down("rope.preload_N"),
     advice="choose an input_pulleys.lower_bearing and upper_bearing of larger bore",
     unit="times",
 )
@@ -186,9 +185,9 @@ def pulley_stress(s: SectorLayout) -> Findings:
 @check(
     "Stress in the drum's shaft",
     "beam theory; 1.5 on yield: usual rule",
-    down("drum.shaft_bore_mm"),
-    _LESS,
-    down("rope.preload_N"),
+    *down("drum.shaft_bore_mm"),
+    *LESS_TORQUE,
+    *down("rope.preload_N"),
     advice="choose a larger drum.bearing, whose bore the shaft has",
     unit="times",
 )

@@ -2,7 +2,7 @@
 
 from mbcdm_cad.checks.bearings import carried_check, coupled_check
 from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check, noted
-from mbcdm_cad.checks.design_variables import down, up, ups
+from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.ratios import GENTLER
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.sector import SectorLayout
@@ -22,7 +22,7 @@ DEAD_TURNS = 0.5
 # Clearance for a part during assembly (estimate).
 PASSAGE_MM = 0.1
 # What makes the input pulleys larger, or the rope thinner, under the names that it has in the layouts.
-_WIDER = (up(at.transmission.input_radii_mm), *GENTLER)
+_WIDER = (*up(at.transmission.input_radii_mm), *GENTLER)
 _CHOOSE = "choose another input_pulleys.lower_bearing or drive.gearhead, or an input_pulleys.material of thinner walls"
 
 
@@ -54,7 +54,7 @@ def stop_pocket_wall(s: SectorLayout) -> Findings:
 @check(
     "Metal between the stops' pockets",
     "material: min_wall_mm",
-    *ups(at.rope.helix_lead_mm, at.rope.dead_turns, "all radii of transmission"),
+    *up(at.rope.helix_lead_mm, at.rope.dead_turns, "all radii of transmission"),
 )
 def stop_pocket_floor(s: SectorLayout) -> Findings:
     """Wall between the pockets that are milled from both end faces of a pulley."""
@@ -120,7 +120,7 @@ def encoder_fit(s: SectorLayout) -> Findings:
 @check(
     "Bought parts are deep enough for their holes",
     "catalogue; 1 mm: estimate",
-    *ups(at.support.motor_shelf_mm, at.support.top_plate_mm),
+    *up(at.support.motor_shelf_mm, at.support.top_plate_mm),
     advice="choose a drive.gearhead or drive.encoder with a shorter screw",
     none=noted("no threaded holes in bought parts: depth", 0.0, "mm"),
 )
@@ -146,7 +146,7 @@ def bought_depth(s: SectorLayout) -> Findings:
 @carried_check(
     "Clamp collar grips the gearhead's shaft",
     "one diameter: usual rule",
-    down(at.support.motor_shelf_mm),
+    *down(at.support.motor_shelf_mm),
     advice="choose a drive.gearhead with a longer shaft",
 )
 def shaft_grip(s: SectorLayout) -> Findings:
@@ -165,7 +165,7 @@ def shaft_grip(s: SectorLayout) -> Findings:
     )
 
 
-@carried_check("Gearhead's pilot clears pulley and screws", at.clearances.running_mm, up(at.support.motor_shelf_mm))
+@carried_check("Gearhead's pilot clears pulley and screws", at.clearances.running_mm, *up(at.support.motor_shelf_mm))
 def pilot_room(s: SectorLayout) -> Findings:
     """Gap between the gearhead's centring boss and the pulley's journal, the shelf and the screws' heads."""
     gear, running = s.drive.gearhead, s.drive.clearances.running_mm
@@ -181,7 +181,7 @@ def pilot_room(s: SectorLayout) -> Findings:
 @carried_check(
     "Coupling space is high enough",
     "clearances.running_mm; 0.1 mm: estimate",
-    *ups(at.support.coupling_space_mm, at.support.motor_shelf_mm),
+    *up(at.support.coupling_space_mm, at.support.motor_shelf_mm),
 )
 def coupling_height(s: SectorLayout) -> Findings:
     """The coupling space has room for collar and slit below the bearing, and to insert gearhead screws and collar."""

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from mbcdm_cad.checks.bearings import carried_check
 from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check
-from mbcdm_cad.checks.design_variables import down, up, ups
+from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, corner_gap, web_between
 from mbcdm_cad.design.bought import Encoder
 from mbcdm_cad.design.paths import at
@@ -20,8 +20,8 @@ FACE_SCREWS = (2, 3, 4)
 @check(
     "Screws engage over their diameter",
     "usual rule: one diameter",
-    down(at.support.motor_shelf_mm),
-    up(at.drum.hub_diameter_mm),
+    *down(at.support.motor_shelf_mm),
+    *up(at.drum.hub_diameter_mm),
     advice="choose a drive.gearhead or drive.encoder with longer screws",
 )
 def engagement(s: HeadLayout) -> Findings:
@@ -101,7 +101,7 @@ def collar_gaps(s: HeadLayout) -> Iterator[tuple[str, float]]:
         yield from beside("wheel", wheel, s.stage.bottom_z, s.stage.top_z)
 
 
-@carried_check("Clamp collar turns freely", at.clearances.running_mm, up(at.support.coupling_space_mm))
+@carried_check("Clamp collar turns freely", at.clearances.running_mm, *up(at.support.coupling_space_mm))
 def collar_space(s: HeadLayout) -> Findings:
     """Collar and gearhead screws' heads stand clear of the coupling space's walls and rounded corners."""
     for name, gap in collar_gaps(s):
@@ -111,7 +111,7 @@ def collar_space(s: HeadLayout) -> Findings:
 @carried_check(
     "Encoder shelf takes bearing and screws",
     "material: min_wall_mm",
-    *ups(at.support.bearing_shelf_mm, at.support.encoder_shelf_mm),
+    *up(at.support.bearing_shelf_mm, at.support.encoder_shelf_mm),
 )
 def encoder_shelf(s: HeadLayout) -> Findings:
     """The encoder's screws have metal under their heads and enough thread in its housing."""

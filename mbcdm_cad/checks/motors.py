@@ -10,7 +10,7 @@ from math import ceil, degrees, isfinite
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Comparison, Family, at_least, at_most, check, noted, worst
-from mbcdm_cad.checks.design_variables import down, downs
+from mbcdm_cad.checks.design_variables import LESS_TORQUE, down
 from mbcdm_cad.checks.run import rounded
 from mbcdm_cad.checks.strength import balanced_preloads, rated_input_Nm
 from mbcdm_cad.design.paths import at
@@ -30,7 +30,6 @@ COUNT_THEM = (
 )
 STRONGER_GEARHEAD = "choose a stronger drive.gearhead, state what the drive does all day as loads.duty,"
 _WORDS = {1: "+", -1: "-"}
-_LESS = down(at.loads.peak_torque_Nm)
 
 AT_PEAK = Family(
     "Motor and gearhead at peak torque in both directions: the bias torque of the preload helps one and hinders the "
@@ -85,13 +84,13 @@ def _stronger(s: Layout, found: Comparison) -> str:
     return f"choose a motor of about {needed} mN m or more, or a gearhead of higher ratio or efficiency{raised}"
 
 
-@check("Motors hold peak torque, load +", "model, paper section 5.1; limits.losses", _LESS, advice_on=_stronger)
+@check("Motors hold peak torque, load +", "model, paper section 5.1; limits.losses", *LESS_TORQUE, advice_on=_stronger)
 def motor_torque_forward(s: Layout) -> Comparison:
     """The motors hold peak torque in this direction at their rated torque, with losses as ``limits.losses`` says."""
     return motor_torque(s, 1)
 
 
-@check("Motors hold peak torque, load -", "model, paper section 5.1; limits.losses", _LESS, advice_on=_stronger)
+@check("Motors hold peak torque, load -", "model, paper section 5.1; limits.losses", *LESS_TORQUE, advice_on=_stronger)
 def motor_torque_back(s: Layout) -> Comparison:
     """The motors hold peak torque in this direction at their rated torque, with losses as ``limits.losses`` says."""
     return motor_torque(s, -1)
@@ -100,7 +99,7 @@ def motor_torque_back(s: Layout) -> Comparison:
 @check(
     "Gearhead's intermittent rating at peak torque",
     "gearhead catalogue",
-    _LESS,
+    *LESS_TORQUE,
     advice="choose a stronger drive.gearhead",
 )
 def gearhead_maximum(s: Layout) -> Comparison:
@@ -208,7 +207,7 @@ def gearhead_continuous(s: Layout) -> Comparison:
 @check(
     "Drum turned from its side",
     "loads.backdrive_Nm; friction by cause: docs/losses.md",
-    *downs(at.rope.preload_N, at.transmission.input_to_drum),
+    *down(at.rope.preload_N, at.transmission.input_to_drum),
     advice=_easier_to_turn,
 )
 def backdrive(s: Layout) -> Comparison:
@@ -258,7 +257,7 @@ def _longer(s: Layout, found: Comparison) -> str:
 @check(
     "Torque held continuously",
     "loads.continuous_torque_Nm; motor and gearhead catalogue",
-    down(at.loads.continuous_torque_Nm),
+    *down(at.loads.continuous_torque_Nm),
     advice_on=_longer,
     applies=lambda drive: drive.loads.lasting_Nm is not None,
 )
@@ -276,7 +275,7 @@ def continuous_torque(s: Layout) -> Comparison:
 @check(
     "Speed of the drum under load",
     "loads.speed_deg_s; motor catalogue: constant, resistance, voltage",
-    *downs(at.transmission.input_to_drum, at.loads.speed_deg_s),
+    *down(at.transmission.input_to_drum, at.loads.speed_deg_s),
     advice="choose a gearhead of lower ratio, a higher drive.bus_voltage_V or a faster motor",
     applies=lambda drive: drive.loads.speed_deg_s is not None,
 )

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check, shown, worst
-from mbcdm_cad.checks.design_variables import down, downs, up
+from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.run import rounded
 from mbcdm_cad.design.drive import CableRun
 from mbcdm_cad.design.paths import at
@@ -67,8 +67,8 @@ def ratio_if_cut_as_surface(s: SectorLayout, cable: SectorRun) -> float:
 @check(
     "Surfaces r - d/2 can be machined",
     "derived from paper Table 2, which gives pitch radii",
-    down("rope diameter_mm"),
-    up("all radii of transmission"),
+    *down("rope diameter_mm"),
+    *up("all radii of transmission"),
 )
 def surface_radius(s: SectorLayout) -> Findings:
     """Every surface radius r - d/2 can be machined."""
@@ -87,7 +87,7 @@ LOW_LIFE_RATIO = 16.0
 # A static cable bent round a pin keeps about four fifths of its strength at D/d = 6 (rope makers' tables).
 ANCHOR_RATIO = 6.0
 # What makes the bends gentler, under the names that it has in the layouts.
-GENTLER = (*downs(at.transmission.input_to_drum, "rope diameter_mm"), up("all radii of transmission"))
+GENTLER = (*down(at.transmission.input_to_drum, "rope diameter_mm"), *up("all radii of transmission"))
 _EFFICIENCY = "rope catalogue; efficiency 95/91/89/86 % at D/d 40/20/15/10"
 
 

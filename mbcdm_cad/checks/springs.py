@@ -6,7 +6,7 @@ from contextlib import suppress
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Comparison, Findings, at_most, check_for
-from mbcdm_cad.checks.design_variables import down, downs, up, ups
+from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.strength import wound_ends
 from mbcdm_cad.design.bought import SpringSpec
 from mbcdm_cad.design.catalogue import package_entries
@@ -66,7 +66,7 @@ def _strong(s: SectorLayout) -> str:
 @_spring_check(
     "Springs are not pressed flat at peak torque",
     "catalogue of springs: usable share of their travel",
-    *downs(at.loads.peak_torque_Nm, at.rope.preload_N),
+    *down(at.loads.peak_torque_Nm, at.rope.preload_N),
     advice=_strong,
     unit="times",
 )
@@ -83,8 +83,8 @@ def spring_flat(s: SectorLayout) -> Findings:
 @_spring_check(
     "Springs stay pressed at peak torque",
     "model with wraps that end; a twentieth of the preload: estimate",
-    up(at.rope.preload_N),
-    down(at.loads.peak_torque_Nm),
+    *up(at.rope.preload_N),
+    *down(at.loads.peak_torque_Nm),
     unit="of preload",
 )
 def spring_free(s: SectorLayout) -> Findings:
@@ -116,7 +116,7 @@ def _stiffer(s: SectorLayout) -> str:
 @_spring_check(
     "Turn by springs that move",
     "model with wraps that end; a quarter of the cables' turn: estimate",
-    *ups(at.rope.preload_N, at.drum.sector_half_angle_deg),
+    *up(at.rope.preload_N, at.drum.sector_half_angle_deg),
     advice=_stiffer,
     warn=True,
 )

@@ -10,7 +10,7 @@ from math import ceil, exp, tau
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Comparison, Family, Findings, at_least, at_most, check, noted
-from mbcdm_cad.checks.design_variables import down, downs, up
+from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.run import rounded
 from mbcdm_cad.design.catalogue import smallest_entry
 from mbcdm_cad.design.paths import at
@@ -28,7 +28,7 @@ BIAS_SHARE = 0.1
 RETENSION_DAYS = 30.0
 _HALVINGS = 12
 _TEST_IT = "not shown: the generic figure shows no life; test the rope and state its life_anchor"
-_ADJUST = (down(at.rope.preload_N), up("all radii of transmission"))
+_ADJUST = (*down(at.rope.preload_N), *up("all radii of transmission"))
 
 
 def wound_ends(s: Layout, si: DriveSI) -> Iterator[tuple[DriveSI, np.ndarray]]:
@@ -55,8 +55,8 @@ UNDER_LOAD = Family(
 @check(
     "No cable slack at peak torque",
     "paper section 3; a hundredth of the preload: estimate",
-    up(at.rope.preload_N),
-    down(at.loads.peak_torque_Nm),
+    *up(at.rope.preload_N),
+    *down(at.loads.peak_torque_Nm),
     unit="N",
 )
 def no_slack(s: Layout) -> Findings:
@@ -81,7 +81,7 @@ def _stronger_rope(s: Layout, found: Comparison) -> str:
 @check(
     "Tension against the breaking load",
     "limits.tension_safety_factor; rope makers: 5 to 10",
-    *downs(at.loads.peak_torque_Nm, at.rope.preload_N),
+    *down(at.loads.peak_torque_Nm, at.rope.preload_N),
     advice_on=_stronger_rope,
     unit="times",
 )
@@ -95,7 +95,7 @@ def tension(s: Layout) -> Findings:
 @check(
     "Preload against the breaking load",
     "limits.preload_share_max; rope makers: under half",
-    down(at.rope.preload_N),
+    *down(at.rope.preload_N),
     advice_on=_stronger_rope,
 )
 def preload_share(s: Layout) -> Comparison:
@@ -134,8 +134,8 @@ def termination_fits(s: Layout) -> Findings:
 @check(
     "Ends hold the cable",
     "limits.tension_safety_factor; strength share in the catalogue of terminations",
-    up(at.rope.dead_turns),
-    *downs(at.loads.peak_torque_Nm, at.rope.preload_N),
+    *up(at.rope.dead_turns),
+    *down(at.loads.peak_torque_Nm, at.rope.preload_N),
     advice_on=lambda s, found: f"{_stronger_rope(s, found)} or a stronger rope.termination",
     unit="times",
 )
@@ -230,8 +230,8 @@ def needed_share(s: Layout) -> float:
 @check(
     "Preload left after the rope's creep",
     "model: creep of the catalogue; 30 days: estimate",
-    up(at.rope.preload_N),
-    down(at.loads.peak_torque_Nm),
+    *up(at.rope.preload_N),
+    *down(at.loads.peak_torque_Nm),
     advice="choose a rope.type that creeps less, or a thicker one",
     warn=True,
 )

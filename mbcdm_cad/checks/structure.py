@@ -3,7 +3,7 @@
 from math import hypot, pi
 
 from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check, noted
-from mbcdm_cad.checks.design_variables import down, up, ups
+from mbcdm_cad.checks.design_variables import LESS_TORQUE, up
 from mbcdm_cad.checks.fixings import FRICTION, STRESS_SAFETY, lasting_MPa, stalled_Nm
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import PRINTED_WINDUP
@@ -16,9 +16,8 @@ from mbcdm_cad.parts.fits import SHEAR_SHARE, ScrewHold, clamp_force_N, screw_ho
 # Turn of the structure over that of the cables from which on a design that asks for no stiffness is warned of, of metal
 # and where drum or frame is printed: sized by the rules, drives have at most 2.4 and 4.7 (docs/structure.md).
 SOFT, SOFT_PRINTED = 2.5, 5.0
-_LESS = down(at.loads.peak_torque_Nm)
 # A material is no number, so that remedies offer none: a search alone takes a stiffer one.
-_METALS = (up(at.support.material), up(at.drum.material))
+_METALS = up(at.support.material, at.drum.material)
 
 
 def _stress(what: str, strength_MPa: float, stress_MPa: float, load_Nm: float) -> Comparison:
@@ -34,8 +33,8 @@ def _stronger(s: SectorLayout) -> str:
 @check(
     "Stress in the drum",
     "plane elements and plates, torsion of a tube; 1.5 on yield, 0.4 of it for plastics: usual rule, estimate",
-    *ups(at.drum.web_thickness_mm, at.drum.hub_diameter_mm),
-    _LESS,
+    *up(at.drum.web_thickness_mm, at.drum.hub_diameter_mm),
+    *LESS_TORQUE,
     advice=_stronger,
 )
 def drum_stress(s: SectorLayout) -> Findings:
@@ -59,8 +58,8 @@ def drum_stress(s: SectorLayout) -> Findings:
 @check(
     "Payload's screws hold peak torque and payload",
     "mu F r; class 8.8 at 0.7 of yield, mu 0.15, 1.5 on slip: usual values",
-    up(at.drum.hub_diameter_mm),
-    _LESS,
+    *up(at.drum.hub_diameter_mm),
+    *LESS_TORQUE,
     advice="choose a stronger drum.material",
     unit="times",
 )
@@ -92,7 +91,7 @@ def _mount_advice(s: SectorLayout) -> str:
 @check(
     "Mounting screws hold the peak torque",
     "mu F r; class 8.8 at 0.7 of yield, mu 0.15, 1.5 on slip: usual values; inserts: base bears on the brass",
-    _LESS,
+    *LESS_TORQUE,
     advice=_mount_advice,
     unit="times",
 )
@@ -164,7 +163,7 @@ def _stiffer(s: SectorLayout) -> str:
 @check(
     "Stiffness at the payload",
     "loads.stiffness_Nm_rad; compliance by cause",
-    *ups(at.drum.web_thickness_mm, at.drum.hub_diameter_mm, "all radii of transmission", at.rope.preload_N),
+    *up(at.drum.web_thickness_mm, at.drum.hub_diameter_mm, "all radii of transmission", at.rope.preload_N),
     *_METALS,
     advice=_stiffer,
 )
@@ -191,7 +190,7 @@ def most_share(s: SectorLayout) -> float:
 @check(
     "Structure's turn over the cables' turn",
     "loads.structure_share, else a warning beyond 2.5, printed 5: more than rules leave; compliance by cause",
-    *ups(at.drum.web_thickness_mm, at.drum.hub_diameter_mm),
+    *up(at.drum.web_thickness_mm, at.drum.hub_diameter_mm),
     *_METALS,
     advice=lambda s: _softest(structure_of(s), {}),
     applies=lambda drive: drive.loads.structure_share is not None or drive.loads.stiffness_Nm_rad is None,

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Comparison, Family, Findings, at_most, check, noted
-from mbcdm_cad.checks.design_variables import down, downs, up, ups
+from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.geometry import Points, box_gap, polygon_gap
 from mbcdm_cad.checks.springs import led
 from mbcdm_cad.design.catalogue import package_entries, smallest_entry
@@ -34,7 +34,7 @@ RUN_OUT_PITCHES = 2.0
 TWIST_DEG = 20.0
 # Reason why checks between terminals do not apply if each side of the drum has one terminal.
 _ALONE = noted("terminals beside another one", 0.0, "")
-_ROOM = ups("all radii of transmission", at.drum.outer_face_y_mm)
+_ROOM = up("all radii of transmission", at.drum.outer_face_y_mm)
 _SMALLER = "choose a smaller drum.tensioner"
 
 ON_THE_DRUM = Family(
@@ -122,7 +122,7 @@ def terminals_apart(s: SectorLayout) -> Findings:
 @check(
     "Stated angles of terminals are inside the sector",
     "derived",
-    up(at.drum.sector_half_angle_deg),
+    *up(at.drum.sector_half_angle_deg),
     advice="state a smaller terminal_angle_deg for this cable, or leave it out",
     none=noted("no angle of a terminal is stated", 0.0, ""),
 )
@@ -158,7 +158,7 @@ def lands_intact(s: SectorLayout) -> Findings:
             yield f"cable over terminal where they pass, {names}", b.radius_mm - half - pocket_top, TERMINAL_GAP_MM
 
 
-@check("Rim reaches beyond the terminals", "derived", up(at.drum.outer_face_y_mm), advice=_SMALLER)
+@check("Rim reaches beyond the terminals", "derived", *up(at.drum.outer_face_y_mm), advice=_SMALLER)
 def outer_face(s: SectorLayout) -> Findings:
     """Distance from the rim's outer face to the outermost nut or lug."""
     d = s.drum
@@ -191,7 +191,7 @@ def pocket_corners(s: SectorLayout) -> Findings:
 @check(
     "Stress in the tensioner studs",
     "material: yield_MPa; 2: usual rule",
-    *downs(at.loads.peak_torque_Nm, at.rope.preload_N),
+    *down(at.loads.peak_torque_Nm, at.rope.preload_N),
     advice="choose a larger drum.tensioner",
     unit="times",
 )
@@ -206,8 +206,8 @@ def stud_stress(s: SectorLayout) -> Findings:
 @check(
     "Stress in the lugs",
     "material: yield_MPa; 2: usual rule",
-    up(at.drum.outer_face_y_mm),
-    *downs(at.loads.peak_torque_Nm, at.rope.preload_N),
+    *up(at.drum.outer_face_y_mm),
+    *down(at.loads.peak_torque_Nm, at.rope.preload_N),
     unit="times",
 )
 def lug_stress(s: SectorLayout) -> Findings:
@@ -249,7 +249,7 @@ def _longer_stud(s: SectorLayout) -> str:
 @check(
     "Terminals reach the preload",
     "derived: T l / EA + bedding-in + cut length",
-    down(at.rope.preload_N),
+    *down(at.rope.preload_N),
     advice=_longer_stud,
 )
 def take_up(s: SectorLayout) -> Findings:

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Check, Comparison, Findings, at_least, at_most, check, noted, worst
-from mbcdm_cad.checks.design_variables import Adjustment, down, downs, up, ups
+from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
@@ -60,8 +60,8 @@ def radii_rise(s: SectorLayout) -> Findings:
 @check(
     "Drum lands wide enough for half a cable and the edge",
     "",
-    *downs("rope diameter_mm", at.clearances.land_edge_mm),
-    up("all radii of transmission"),
+    *down("rope diameter_mm", at.clearances.land_edge_mm),
+    *up("all radii of transmission"),
 )
 def land_width(s: SectorLayout) -> Findings:
     """The radius increases from step to step by at least half a cable plus the edge margin; the rest is a gap.
@@ -82,8 +82,8 @@ def land_width(s: SectorLayout) -> Findings:
 @check(
     "Contact lines clear of the lands' edges",
     "derived: edges broken by up to 0.1 mm",
-    up(at.clearances.land_edge_mm),
-    down(at.clearances.transfer_gap_mm),
+    *up(at.clearances.land_edge_mm),
+    *down(at.clearances.transfer_gap_mm),
 )
 def land_edge(s: SectorLayout) -> Findings:
     """Distance from the contact line of every cable to the broken edge of its land."""
@@ -92,7 +92,7 @@ def land_edge(s: SectorLayout) -> Findings:
         yield f"contact line of {c.name} from its land's edge", c.land_y_mm - land.y_start, EDGE_BREAK_MM
 
 
-@check("Outermost land carries its cable", "derived", up(at.drum.outer_face_y_mm))
+@check("Outermost land carries its cable", "derived", *up(at.drum.outer_face_y_mm))
 def outermost_land(s: SectorLayout) -> Findings:
     """The outermost land is wide enough for its cable up to the drum's outer face."""
     c = s.steps[-1]
@@ -119,9 +119,9 @@ def body_gaps_mm(s: SectorLayout) -> list[tuple[str, int, float]]:
 @check(
     "",
     "paper section 2.2 (placed closely); run-out of 0.05 mm: estimate",
-    up(at.clearances.transfer_gap_mm),
-    down(at.clearances.land_edge_mm),
-    *ups("rope diameter_mm", "all radii of transmission"),
+    *up(at.clearances.transfer_gap_mm),
+    *down(at.clearances.land_edge_mm),
+    *up("rope diameter_mm", "all radii of transmission"),
 )
 def bodies_clear(s: SectorLayout) -> Comparison:
     """The smallest gap between the two bodies, including the walls of their steps."""
@@ -131,8 +131,8 @@ def bodies_clear(s: SectorLayout) -> Comparison:
 @check(
     "",
     "derived: a wider gap lets a cable slip in",
-    down(at.clearances.transfer_gap_mm),
-    *ups(at.clearances.land_edge_mm, "rope diameter_mm"),
+    *down(at.clearances.transfer_gap_mm),
+    *up(at.clearances.land_edge_mm, "rope diameter_mm"),
 )
 def transfer_gap(s: SectorLayout) -> Findings:
     """At every transfer point the gap between the bodies is less than half a cable, so that no cable slips into it."""
@@ -156,7 +156,7 @@ def transfer_checks(body: str, keep_on_line: str) -> tuple[Check, ...]:
 # Remaining land under the cable between transfer point and terminal at the end of travel (estimate).
 LEAST_WRAP_DEG = 2.0
 FULL_TURN_DEG = 360.0
-MORE_WRAP: tuple[Adjustment, ...] = (down(at.travel.half_angle_deg), up(at.drum.sector_half_angle_deg))
+MORE_WRAP: tuple[Adjustment, ...] = (*down(at.travel.half_angle_deg), *up(at.drum.sector_half_angle_deg))
 
 
 def _larger_angle(s: SectorLayout) -> str:
@@ -187,7 +187,7 @@ def wrap_left(s: SectorLayout) -> Findings:
 @check(
     "Wrap on the drum stays under a turn",
     "paper section 2.1",
-    *downs(at.drum.sector_half_angle_deg, at.travel.half_angle_deg),
+    *down(at.drum.sector_half_angle_deg, at.travel.half_angle_deg),
 )
 def wrap_under_turn(s: SectorLayout) -> Findings:
     """Cable and terminal take less than a full turn; otherwise they would reach the transfer point a second time."""

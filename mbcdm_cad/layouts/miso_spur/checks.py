@@ -23,7 +23,7 @@ __all__ = ["FAMILIES", "stacks"]
 LARGEST_OVER_MEAN = 1.1
 
 
-_OUT: tuple[Adjustment, ...] = (up(at.transmission.centre_distance_mm),)
+_OUT: tuple[Adjustment, ...] = up(at.transmission.centre_distance_mm)
 
 
 def load_shares(s: RoundDrumLayout) -> np.ndarray:
@@ -36,8 +36,8 @@ def load_shares(s: RoundDrumLayout) -> np.ndarray:
 @check(
     "Shares of the inputs in the load",
     "model; 1.1: a choice",
-    up(at.rope.preload_N),
-    down(at.loads.peak_torque_Nm),
+    *up(at.rope.preload_N),
+    *down(at.loads.peak_torque_Nm),
     advice="leave out preload_N of single entries of cables, so that rope.preload_N is that of all",
     warn=True,
 )
@@ -128,7 +128,7 @@ def sectors_clear_inputs(s: RoundDrumLayout) -> Findings:
 
 
 @check(
-    "Sectors clear the encoder shelves of the other inputs", at.clearances.running_mm, up(at.drum.hub_face_y_mm), *_OUT
+    "Sectors clear the encoder shelves of the other inputs", at.clearances.running_mm, *up(at.drum.hub_face_y_mm), *_OUT
 )
 def sectors_clear_shelves(s: RoundDrumLayout) -> Findings:
     """Gap between each sector and the encoder shelves of the other inputs."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from mbcdm_cad.checks import bearings, drum_sector, fixings, motor_head, motors, springs, strength, structure, terminals
 from mbcdm_cad.checks.comparison import Comparison, Family, Findings, at_least, at_most, check, families
-from mbcdm_cad.checks.design_variables import Adjustment, down, downs, up, ups
+from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import cables_apart, corner_gap, drum_zones, frame_front
 from mbcdm_cad.checks.input_pulley import CHECKS as PULLEY_CHECKS
 from mbcdm_cad.checks.motor_head import boss_walls, encoder_shelf
@@ -31,8 +31,8 @@ LEAST_RESERVE_DEG = 15.0
 # The slot changes little with the ratio, so a few iterations are enough.
 _ROUNDS = 30
 _WALL = "material: min_wall_mm"
-_SHELVES: tuple[Adjustment, ...] = (up(at.support.bearing_shelf_mm), up(at.support.encoder_shelf_mm))
-_DEEPER: tuple[Adjustment, ...] = (down(at.support.back_y_mm), down(at.support.back_plate_mm))
+_SHELVES: tuple[Adjustment, ...] = up(at.support.bearing_shelf_mm, at.support.encoder_shelf_mm)
+_DEEPER: tuple[Adjustment, ...] = down(at.support.back_y_mm, at.support.back_plate_mm)
 
 
 def _radii_that_agree(s: DirectLayout) -> str:
@@ -64,7 +64,7 @@ def _ratio_that_fits(s: DirectLayout) -> str:
 @check(
     "Wrap on the input stays under a turn",
     "derived: the transfer point stays in its plane; paper section 2.1",
-    *downs(at.transmission.input_to_drum, at.travel.half_angle_deg, at.transmission.reserve_deg),
+    *down(at.transmission.input_to_drum, at.travel.half_angle_deg, at.transmission.reserve_deg),
     advice=_ratio_that_fits,
 )
 def input_under_turn(s: DirectLayout) -> Findings:
@@ -78,7 +78,7 @@ def input_under_turn(s: DirectLayout) -> Findings:
         yield at_most(what, full_input_turn_deg(s.drive, c), TURN_DEG, "deg", note)
 
 
-@check("Wrap that stays on the input", "15 deg: estimate", up(at.transmission.reserve_deg))
+@check("Wrap that stays on the input", "15 deg: estimate", *up(at.transmission.reserve_deg))
 def input_reserve(s: DirectLayout) -> Comparison:
     """Wrap that stays on the input at the unwound end."""
     return at_least("wrap left on the input, all unwound", s.drive.reserve_deg, LEAST_RESERVE_DEG, "deg")
@@ -115,9 +115,9 @@ def stacks(s: DirectLayout) -> Iterator[StackUp]:
 @check(
     "Walls of frame and motor head are thick enough",
     _WALL,
-    *ups(at.support.back_plate_mm, at.support.side_wall_mm, at.support.motor_shelf_mm),
+    *up(at.support.back_plate_mm, at.support.side_wall_mm, at.support.motor_shelf_mm),
     *_SHELVES,
-    up(at.support.rib_mm),
+    *up(at.support.rib_mm),
 )
 def walls(s: DirectLayout) -> Findings:
     """The thinnest wall of frame and motor head, against the minimum of the material."""
@@ -190,7 +190,7 @@ def encoder_room(s: DirectLayout) -> Findings:
 @check(
     "Room for the heads of the mounting screws",
     "heads of ISO 4762; 0.5 mm: estimate",
-    up("all radii of transmission"),
+    *up("all radii of transmission"),
     advice="choose a shorter drive.encoder",
 )
 def mounts(s: DirectLayout) -> Findings:
@@ -209,8 +209,8 @@ def mounts(s: DirectLayout) -> Findings:
 @check(
     "Motor head is held and located",
     "usual rule: one diameter",
-    up(at.support.side_wall_mm),
-    down(at.support.bearing_shelf_mm),
+    *up(at.support.side_wall_mm),
+    *down(at.support.bearing_shelf_mm),
 )
 def flange(s: DirectLayout) -> Findings:
     """Screws and dowels of the motor head are inside the side walls, engage by their diameter, and are apart."""
@@ -233,7 +233,7 @@ def flange(s: DirectLayout) -> Findings:
     yield "heads of the flange screws from the motor head's wall", heads, 0.1
 
 
-@check("Boss takes drum bearings and encoder", _WALL, down(at.support.back_y_mm))
+@check("Boss takes drum bearings and encoder", _WALL, *down(at.support.back_y_mm))
 def boss(s: DirectLayout) -> Findings:
     """Walls of the boss round both drum bearings and their shoulder, and of its ears round the encoder's screws."""
     f, limit = s.frame, s.drive.frame_material.min_wall_mm
@@ -244,8 +244,8 @@ def boss(s: DirectLayout) -> Findings:
 @check(
     "Drum clears motor and gearhead",
     at.clearances.running_mm,
-    up("all radii of transmission"),
-    down(at.transmission.input_to_drum),
+    *up("all radii of transmission"),
+    *down(at.transmission.input_to_drum),
 )
 def drum_sweep(s: DirectLayout) -> Findings:
     """Gap of drum and terminals to encoder, motor head, gearhead and motor behind them, where they reach their height.
@@ -278,9 +278,9 @@ def box_mm(s: DirectLayout) -> tuple[float, float, float]:
 
 
 _RADII = up("all radii of transmission")
-_X = (down(at.drum.sector_half_angle_deg), up(at.drum.sector_half_angle_deg))
-_Z = (down(at.support.coupling_space_mm), up(at.support.coupling_space_mm))
-_Y = (down(at.drum.hub_face_y_mm), up(at.drum.hub_face_y_mm), up(at.support.back_y_mm))
+_X = (*down(at.drum.sector_half_angle_deg), *up(at.drum.sector_half_angle_deg))
+_Z = (*down(at.support.coupling_space_mm), *up(at.support.coupling_space_mm))
+_Y = (*down(at.drum.hub_face_y_mm), *up(at.drum.hub_face_y_mm, at.support.back_y_mm))
 # First the checks of the mechanism, then those of the parts.
 FAMILIES = families(
     Family(
@@ -336,7 +336,7 @@ FAMILIES = families(
         (
             frame_front,
             drum_sweep,
-            cables_apart.but(adjust=(_RADII, down("rope diameter_mm"))),
+            cables_apart.but(adjust=(_RADII, *down("rope diameter_mm"))),
             *box_checks(box_mm, at.targets.envelope_mm, (_X, _Z, _Y)),
             mass_estimate,
         ),

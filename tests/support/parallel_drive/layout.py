@@ -137,7 +137,7 @@ class ParallelLayout(Layout):
         ]
 
 
-@check("Wrap on the input under a turn", "derived", down("travel.half_angle_deg"))
+@check("Wrap on the input under a turn", "derived", *down("travel.half_angle_deg"))
 def input_wrap(design: ParallelLayout) -> Findings:
     """The cable stays in its plane, so that its wrap on the input is under a turn."""
     ends = (-design.half_travel_rad, design.half_travel_rad)

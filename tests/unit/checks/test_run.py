@@ -308,7 +308,7 @@ def test_no_remedy_leaves_the_bounds_of_its_field(least: float, offered: bool) -
     layout = layout_of(load_design(PARAMS / "siso_spur.yaml").drive)
     stub = BY_ID["walls"].but(
         measure=lambda s: at_least("bridge", s.drive.support.bridge_mm * 3.0, least * 3.0, "mm"),
-        adjust=(up("support.bridge_mm"),),
+        adjust=up("support.bridge_mm"),
         advice="",
     )
     layout = layout.with_drive(layout.variables["support.bridge_mm"].put(layout.drive, 20.0))

@@ -12,7 +12,7 @@ import numpy as np
 
 from mbcdm_cad.checks import drum_sector, fixings, geometry, motors, springs, strength, structure, terminals
 from mbcdm_cad.checks.comparison import Check, Family, Findings, check, families
-from mbcdm_cad.checks.design_variables import Adjustment, down, downs, up, ups
+from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.input_pulley import CHECKS as PULLEY_CHECKS
 from mbcdm_cad.checks.size import box_checks, mass_estimate
 from mbcdm_cad.checks.transfer import transfer_checks
@@ -88,11 +88,11 @@ def ring_gap(ring: geometry.Ring, body: Upright, want: float) -> float:
 @check(
     "Drum clears drives and pulleys",
     "clearances.running_mm; 0.1 mm between turning bodies: estimate",
-    up(at.transmission.input_setback_mm),
-    down(at.transmission.centre_distance_mm),
-    *ups(at.transmission.centre_distance_mm, "all radii of transmission", at.support.coupling_space_mm),
-    down(at.support.coupling_space_mm),
-    up(at.drum.rim_inner_radius_mm),
+    *up(at.transmission.input_setback_mm),
+    *down(at.transmission.centre_distance_mm),
+    *up(at.transmission.centre_distance_mm, "all radii of transmission", at.support.coupling_space_mm),
+    *down(at.support.coupling_space_mm),
+    *up(at.drum.rim_inner_radius_mm),
 )
 def drum_sweep(s: BevelLayout) -> Findings:
     """Gap from drum, terminals and wound cables to drives and pulleys over the whole travel."""
@@ -106,8 +106,8 @@ def drum_sweep(s: BevelLayout) -> Findings:
 @check(
     "Clamp collars turn freely",
     at.clearances.running_mm,
-    up(at.transmission.centre_distance_mm),
-    *downs(at.support.back_plate_mm, at.support.back_y_mm),
+    *up(at.transmission.centre_distance_mm),
+    *down(at.support.back_plate_mm, at.support.back_y_mm),
 )
 def collar_space(s: BevelLayout) -> Findings:
     """Gap from the clamp collars to web, side walls, back plate and the mounting screws' heads, or to their boxes."""
@@ -139,8 +139,8 @@ def _free(s: BevelLayout) -> list[tuple[float, np.ndarray]]:
 @check(
     "Free spans clear the terminals",
     "derived; 0.1 mm: estimate",
-    down(at.travel.half_angle_deg),
-    *ups(at.drum.sector_half_angle_deg, "all radii of transmission"),
+    *down(at.travel.half_angle_deg),
+    *up(at.drum.sector_half_angle_deg, "all radii of transmission"),
 )
 def spans_clear(s: BevelLayout) -> Findings:
     """Gap from free spans and cables on the guide to the terminals, drum centred and at both ends of travel."""
@@ -162,8 +162,8 @@ SWEEPS = (
     collar_space,
     geometry.cables_apart.but(
         adjust=(
-            *ups(at.transmission.centre_distance_mm, "all radii of transmission"),
-            *downs(at.travel.half_angle_deg, "rope diameter_mm"),
+            *up(at.transmission.centre_distance_mm, "all radii of transmission"),
+            *down(at.travel.half_angle_deg, "rope diameter_mm"),
         )
     ),
     spans_clear,
@@ -184,17 +184,17 @@ def box_mm(s: BevelLayout) -> tuple[float, float, float]:
 
 _SOURCE = "targets.envelope_mm; paper section 4.1"
 _X: tuple[Adjustment, ...] = (
-    down(at.drum.sector_half_angle_deg),
-    up(at.drum.sector_half_angle_deg),
-    down(at.support.side_wall_mm),
+    *down(at.drum.sector_half_angle_deg),
+    *up(at.drum.sector_half_angle_deg),
+    *down(at.support.side_wall_mm),
 )
 _Z: tuple[Adjustment, ...] = (
-    down(at.support.coupling_space_mm),
-    up(at.support.coupling_space_mm),
-    down(at.support.top_plate_mm),
-    up(at.support.top_plate_mm),
+    *down(at.support.coupling_space_mm),
+    *up(at.support.coupling_space_mm),
+    *down(at.support.top_plate_mm),
+    *up(at.support.top_plate_mm),
 )
-_Y: tuple[Adjustment, ...] = (down(at.drum.hub_face_y_mm), up(at.drum.hub_face_y_mm), up(at.support.back_y_mm))
+_Y: tuple[Adjustment, ...] = (*down(at.drum.hub_face_y_mm), *up(at.drum.hub_face_y_mm, at.support.back_y_mm))
 ENVELOPE = (*box_checks(box_mm, _SOURCE, (_X, _Z, _Y)), mass_estimate)
 
 

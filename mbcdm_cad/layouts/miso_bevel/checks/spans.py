@@ -12,7 +12,7 @@ from math import ceil, cos, hypot, radians, sin, sqrt, tan, tau
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check, noted, worst
-from mbcdm_cad.checks.design_variables import down, downs, up, ups
+from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.geometry import CABLE_GAP_MM
 from mbcdm_cad.checks.input_pulley import dead_turns
 from mbcdm_cad.checks.run import rounded
@@ -33,14 +33,14 @@ GROOVE_CREST = 0.05
 _NEWTON_STEPS = 6
 
 
-_SHORTER_WALK = (up(at.transmission.centre_distance_mm), down(at.rope.helix_lead_mm), down(at.travel.half_angle_deg))
+_SHORTER_WALK = (*up(at.transmission.centre_distance_mm), *down(at.rope.helix_lead_mm, at.travel.half_angle_deg))
 
 
 @check(
     "Centre distance leaves a free span",
     "paper Eq. (11)",
-    up(at.transmission.centre_distance_mm),
-    *downs("all radii of transmission", "rope diameter_mm"),
+    *up(at.transmission.centre_distance_mm),
+    *down("all radii of transmission", "rope diameter_mm"),
 )
 def centre_distance(s: BevelLayout) -> Findings:
     """L is larger than r_g + r_m, so that a straight span exists, with room for the curved transitions at both ends."""
@@ -61,8 +61,8 @@ def centre_distance(s: BevelLayout) -> Findings:
 @check(
     "Guide and input pulleys clear each other",
     at.clearances.running_mm,
-    up(at.transmission.centre_distance_mm),
-    down("all radii of transmission"),
+    *up(at.transmission.centre_distance_mm),
+    *down("all radii of transmission"),
 )
 def pulley_gap(s: BevelLayout) -> Findings:
     """Gap between guide and input pulleys with their cables, at any height."""
@@ -96,8 +96,8 @@ def fleet_angle(s: BevelLayout) -> Comparison:
 @check(
     "Turns on the input pulley lie side by side",
     "derived: lead > d; grooves: rope makers",
-    up(at.rope.helix_lead_mm),
-    down("rope diameter_mm"),
+    *up(at.rope.helix_lead_mm),
+    *down("rope diameter_mm"),
 )
 def helix_lead(s: BevelLayout) -> Comparison:
     """The lead is larger than the cable's diameter, or than 2.065 groove radii if the turns lie in a groove."""
@@ -143,8 +143,8 @@ def _slant(fall_mm: float, slope: float, radius_mm: float, cosine: float) -> flo
 @check(
     "Free span clears its own last turn",
     "derived: straight span, no credit for the rope's stiffness",
-    *ups(at.rope.helix_lead_mm, at.transmission.centre_distance_mm),
-    down(at.travel.half_angle_deg),
+    *up(at.rope.helix_lead_mm, at.transmission.centre_distance_mm),
+    *down(at.travel.half_angle_deg),
 )
 def self_clearance(s: BevelLayout) -> Findings:
     """Gap between the free span and the turn that was wound just before it, with the cable fully wound on."""
@@ -156,9 +156,8 @@ def self_clearance(s: BevelLayout) -> Findings:
 @check(
     "Axial walk fits the steps of the input pulleys",
     "derived; 0.1 mm: estimate",
-    down(at.rope.helix_lead_mm),
-    down(at.travel.half_angle_deg),
-    up("all radii of transmission"),
+    *down(at.rope.helix_lead_mm, at.travel.half_angle_deg),
+    *up("all radii of transmission"),
 )
 def input_walk(s: BevelLayout) -> Findings:
     """The two cables of an input pulley walk along it over the travel without reaching the wall between their steps."""
@@ -184,9 +183,8 @@ def guide_wall_gaps_mm(s: BevelLayout) -> list[tuple[BevelRun, float]]:
 @check(
     "Landing point's walk fits the steps of the guide",
     "derived; 0.1 mm: estimate",
-    down(at.rope.helix_lead_mm),
-    down(at.travel.half_angle_deg),
-    up("all radii of transmission"),
+    *down(at.rope.helix_lead_mm, at.travel.half_angle_deg),
+    *up("all radii of transmission"),
 )
 def guide_walk(s: BevelLayout) -> Findings:
     """The landing point on the guide moves with the walk on the input and does not reach the walls of its step."""
@@ -197,8 +195,8 @@ def guide_walk(s: BevelLayout) -> Findings:
 @check(
     "Every cable wraps the guide",
     "derived from the figure-eight span; a degree: estimate",
-    down("all radii of transmission"),
-    up(at.transmission.centre_distance_mm),
+    *down("all radii of transmission"),
+    *up(at.transmission.centre_distance_mm),
     unit="deg",
 )
 def guide_wrap(s: BevelLayout) -> Findings:
@@ -211,9 +209,8 @@ def guide_wrap(s: BevelLayout) -> Findings:
 @check(
     "Crests between the grooves",
     "0.05 d: estimate",
-    up(at.rope.helix_lead_mm),
-    down(at.rope.helix_lead_mm),
-    down(at.travel.half_angle_deg),
+    *up(at.rope.helix_lead_mm),
+    *down(at.rope.helix_lead_mm, at.travel.half_angle_deg),
 )
 def groove_walls(s: BevelLayout) -> Findings:
     """Width of the crest between neighbouring grooves of an input pulley, and from the last groove to the next step."""
@@ -238,7 +235,7 @@ SPANS = (
     self_clearance,
     input_walk,
     guide_walk,
-    dead_turns.but(adjust=(up(at.rope.dead_turns),)),
+    dead_turns.but(adjust=up(at.rope.dead_turns)),
 )
 
 

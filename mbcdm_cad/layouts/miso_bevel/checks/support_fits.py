@@ -3,7 +3,7 @@
 from math import hypot
 
 from mbcdm_cad.checks.comparison import Findings, at_most, check
-from mbcdm_cad.checks.design_variables import down, downs, up, ups
+from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, corner_gap
 from mbcdm_cad.design.paths import at
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
@@ -21,8 +21,8 @@ SCREWS_DRAWN = 2
 @check(
     "Screws engage over their diameter",
     "usual rule: one diameter",
-    *downs(at.support.motor_shelf_mm, at.support.top_plate_mm),
-    *ups(at.support.top_plate_mm, at.drum.hub_diameter_mm),
+    *down(at.support.motor_shelf_mm, at.support.top_plate_mm),
+    *up(at.support.top_plate_mm, at.drum.hub_diameter_mm),
     advice="choose a drive.gearhead or drive.encoder with longer screws",
 )
 def engagement(s: BevelLayout) -> Findings:
@@ -46,7 +46,7 @@ def engagement(s: BevelLayout) -> Findings:
         yield f"engaged length of the {name} over its diameter", length - screw.thread_mm, 0.0
 
 
-@check("Dowels reach into the frame", "usual rule: one diameter", down(at.support.top_plate_mm))
+@check("Dowels reach into the frame", "usual rule: one diameter", *down(at.support.top_plate_mm))
 def dowel_engagement(s: BevelLayout) -> Findings:
     """Depth of the dowels in the frame: at least one diameter."""
     yield "dowel in the frame", dowel_length_mm(s.drive) - s.drive.support.top_plate_mm, 2 * s.frame.dowel_radius
@@ -89,7 +89,7 @@ def key_access(s: BevelLayout) -> Findings:
 @check(
     "Gearhead screws' heads on flat floor",
     "derived; 0.02 mm: estimate",
-    *ups(at.support.back_plate_mm, "all radii of transmission"),
+    *up(at.support.back_plate_mm, "all radii of transmission"),
 )
 def head_seats(s: BevelLayout) -> Findings:
     """The heads of the gearhead's screws rest on the flat floor of the pocket, not on its rounded corner."""
@@ -115,7 +115,7 @@ def head_seats(s: BevelLayout) -> Findings:
     yield "gearhead screw's head from the pocket's corner", gap, -HEAD_EDGE_MM
 
 
-@check("Input pulleys clear the pocket's corner", at.clearances.running_mm, up(at.support.back_plate_mm))
+@check("Input pulleys clear the pocket's corner", at.clearances.running_mm, *up(at.support.back_plate_mm))
 def pulley_corner(s: BevelLayout) -> Findings:
     """Gap between the input pulleys with their cables and the rounded corner between bearing shelf and side wall."""
     v, f = s.levels, s.frame
@@ -140,7 +140,7 @@ def pulley_corner(s: BevelLayout) -> Findings:
 @check(
     "Input pulleys clear the back plate",
     at.clearances.running_mm,
-    *downs(at.support.back_plate_mm, at.support.back_y_mm),
+    *down(at.support.back_plate_mm, at.support.back_y_mm),
 )
 def pocket_depth(s: BevelLayout) -> Findings:
     """Gap between the input pulleys with their cables and the back plate."""
@@ -153,9 +153,9 @@ def pocket_depth(s: BevelLayout) -> Findings:
 @check(
     "Room for the heads of the mounting screws",
     "M3 head; 0.5 mm: estimate",
-    up(at.support.coupling_space_mm),
-    down(at.support.rib_mm),
-    up(at.transmission.centre_distance_mm),
+    *up(at.support.coupling_space_mm),
+    *down(at.support.rib_mm),
+    *up(at.transmission.centre_distance_mm),
 )
 def mounts(s: BevelLayout) -> Findings:
     """The mounting screws' heads have flat floor in the lower pockets and, for a screw in the column, there too."""
@@ -175,8 +175,8 @@ def mounts(s: BevelLayout) -> Findings:
 @check(
     "Drives clear column and each other",
     at.clearances.running_mm,
-    up(at.transmission.centre_distance_mm),
-    down(at.support.back_y_mm),
+    *up(at.transmission.centre_distance_mm),
+    *down(at.support.back_y_mm),
 )
 def drives_apart(s: BevelLayout) -> Findings:
     """Gaps between gearheads, motors and encoders, and from these to column, boss and drum encoder, or guide axle."""
@@ -221,7 +221,7 @@ def in_pocket(s: BevelLayout, name: str, reach: float) -> Findings:
 @check(
     "Plate screws can be reached",
     at.clearances.running_mm,
-    *ups(at.support.side_wall_mm, at.transmission.centre_distance_mm),
+    *up(at.support.side_wall_mm, at.transmission.centre_distance_mm),
 )
 def screwdriver(s: BevelLayout) -> Findings:
     """Gap between the screwdriver on the plate screws and the encoders or motors on top of the plate."""

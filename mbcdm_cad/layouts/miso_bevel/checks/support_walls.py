@@ -1,7 +1,7 @@
 """Frame and top plate: walls that can be made, and enough metal round and between all holes."""
 
 from mbcdm_cad.checks.comparison import Findings, check
-from mbcdm_cad.checks.design_variables import down, up, ups
+from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, inside_rounded_rectangle, web_between
 from mbcdm_cad.checks.motor_head import encoder_threads
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
@@ -17,14 +17,16 @@ _WEB = "0.5 mm between holes: estimate"
 @check(
     "Walls of frame and plate are thick enough",
     _WALL,
-    up("support.back_plate_mm"),
-    up("support.side_wall_mm"),
-    up("support.motor_shelf_mm"),
-    up("support.bearing_shelf_mm"),
-    up("support.top_plate_mm"),
-    up("support.rib_mm"),
-    down("support.back_y_mm"),
-    up("support.coupling_space_mm"),
+    *up(
+        "support.back_plate_mm",
+        "support.side_wall_mm",
+        "support.motor_shelf_mm",
+        "support.bearing_shelf_mm",
+        "support.top_plate_mm",
+        "support.rib_mm",
+    ),
+    *down("support.back_y_mm"),
+    *up("support.coupling_space_mm"),
 )
 def walls(s: BevelLayout) -> Findings:
     """The thinnest wall of frame and top plate, against the minimum of the material."""
@@ -38,7 +40,7 @@ def walls(s: BevelLayout) -> Findings:
     yield "web over the stop pin", s.levels.bearing_shelf_bottom_z - frame.stop_pin_z - frame.stop_pin_radius, limit
 
 
-@check("Bearing shelf takes bearings and set screw", _WALL, up("support.bearing_shelf_mm"))
+@check("Bearing shelf takes bearings and set screw", _WALL, *up("support.bearing_shelf_mm"))
 def bearing_shelf(s: BevelLayout) -> Findings:
     """The shelf has room for its bearings, a shoulder below them, and the axle's set screw with its walls."""
     drive, limit = s.drive, s.drive.frame_material.min_wall_mm
@@ -51,7 +53,7 @@ def bearing_shelf(s: BevelLayout) -> Findings:
     yield (what, (drive.support.bearing_shelf_mm - drive.screw(AXLE_SCREW).thread_mm) / 2, limit)
 
 
-@check("Top plate takes bearings and heads", _WALL, up("support.top_plate_mm"))
+@check("Top plate takes bearings and heads", _WALL, *up("support.top_plate_mm"))
 def top_plate(s: BevelLayout) -> Findings:
     """The plate has room for its bearings and encoder screws from below, and for its own screws from above."""
     drive, limit = s.drive, s.drive.frame_material.min_wall_mm
@@ -67,7 +69,7 @@ def top_plate(s: BevelLayout) -> Findings:
 @check(
     "Front walls beside the bearing seats",
     _WALL,
-    up("all radii of transmission"),
+    *up("all radii of transmission"),
     advice="choose a smaller input_pulleys.lower_bearing or drum.bearing",
 )
 def front_wall(s: BevelLayout) -> Findings:
@@ -95,7 +97,7 @@ def front_wall(s: BevelLayout) -> Findings:
         yield f"front wall beside the {name}", edge - radius, limit
 
 
-@check("Side walls carry the plate screws' heads", _WALL, up("support.side_wall_mm"))
+@check("Side walls carry the plate screws' heads", _WALL, *up("support.side_wall_mm"))
 def side_wall(s: BevelLayout) -> Findings:
     """Wall of the top plate on both sides of the counterbores for its screws, above the side walls."""
     sunk = 2 * s.top_plate.screw_head_radius
@@ -156,8 +158,8 @@ def _box_webs(s: BevelLayout) -> Findings:
 @check(
     "Metal between the holes of plate and shelf",
     _WEB,
-    *ups("support.side_wall_mm", "transmission.centre_distance_mm", "support.top_plate_mm"),
-    down("support.back_y_mm"),
+    *up("support.side_wall_mm", "transmission.centre_distance_mm", "support.top_plate_mm"),
+    *down("support.back_y_mm"),
 )
 def hole_webs(s: BevelLayout) -> Findings:
     """Wall between neighbouring holes of top plate and shelf, and from the holes to the plate's edge."""
@@ -186,7 +188,7 @@ def hole_webs(s: BevelLayout) -> Findings:
         yield f"top plate, {name} to the plate's edge", edge - radius, HOLE_WEB_MM
 
 
-@check("Threads and dowels inside the side walls", _WALL, up("support.side_wall_mm"), down("support.back_y_mm"))
+@check("Threads and dowels inside the side walls", _WALL, *up("support.side_wall_mm"), *down("support.back_y_mm"))
 def wall_holes(s: BevelLayout) -> Findings:
     """Wall round the threads and dowels in the side walls, and between them."""
     f, wall = s.frame, s.drive.support.side_wall_mm
@@ -204,9 +206,9 @@ def wall_holes(s: BevelLayout) -> Findings:
 @check(
     "Boss takes both drum bearings",
     _WALL,
-    down("support.back_y_mm"),
-    up("all radii of transmission"),
-    down("support.coupling_space_mm"),
+    *down("support.back_y_mm"),
+    *up("all radii of transmission"),
+    *down("support.coupling_space_mm"),
 )
 def boss(s: BevelLayout) -> Findings:
     """The boss has room for both drum bearings with a shoulder between them; ears and column lie behind its front."""
@@ -232,7 +234,7 @@ def encoder_screws(s: BevelLayout) -> Findings:
 @check(
     "Corners fit frame and pockets",
     _WALL.replace("wall", "internal_radius"),
-    down("support.back_y_mm"),
+    *down("support.back_y_mm"),
     advice="choose a support.material of smaller internal radius",
 )
 def corner_radii(s: BevelLayout) -> Findings:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.checks import bearings
 from mbcdm_cad.checks.comparison import Check, Comparison, Findings, at_most, check, noted
-from mbcdm_cad.checks.design_variables import down, downs, up, ups
+from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.fixings import STRESS_SAFETY, bent_axle_Nmm, round_shaft_MPa
 from mbcdm_cad.checks.ratios import BENDING, RATIO_TOLERANCE, anchor_bend, pair_mismatch, spread, surface_radius
 from mbcdm_cad.design.paths import at
@@ -108,7 +108,7 @@ SURFACES = (surface_radius, cut_at_pitch)
 
 def with_guide(checks: Iterable[Check]) -> tuple[Check, ...]:
     """Checks whose remedies change the ratio of input to guide in place of that of input to drum."""
-    to_drum, to_guide = at.transmission.input_to_drum, down("transmission.ratios.input_to_guide")
+    to_drum, to_guide = at.transmission.input_to_drum, *down("transmission.ratios.input_to_guide")
     return tuple(c.but(adjust=tuple(to_guide if a.path == to_drum else a for a in c.adjust)) for c in checks)
 
 
@@ -169,7 +169,7 @@ BEARINGS = (
 @check(
     "Guide's wall round its bearings",
     "material: min_wall_mm",
-    *ups("transmission.guide_radii_mm", "all radii of transmission"),
+    *up("transmission.guide_radii_mm", "all radii of transmission"),
     advice="choose a smaller guide.bearing",
 )
 def guide_wall(s: BevelLayout) -> Findings:
@@ -187,7 +187,7 @@ def guide_wall(s: BevelLayout) -> Findings:
 @check(
     "Guide is long enough for two bearings",
     "material: min_wall_mm",
-    up("all radii of transmission"),
+    *up("all radii of transmission"),
     advice="choose a narrower guide.bearing",
 )
 def guide_length(s: BevelLayout) -> Findings:
@@ -200,7 +200,7 @@ def guide_length(s: BevelLayout) -> Findings:
 @check(
     "Guide axle's bending stress",
     "beam theory; 1.5 on yield: usual rule",
-    *downs("rope.preload_N", "loads.peak_torque_Nm"),
+    *down("rope.preload_N", "loads.peak_torque_Nm"),
     advice="choose a guide.bearing of larger bore",
     unit="times",
 )

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mbcdm_cad.checks import motor_head, size, terminals
 from mbcdm_cad.checks.bearings import carried_check, input_reactions
 from mbcdm_cad.checks.comparison import Comparison, Family, Findings, at_most, check, check_for, worst
-from mbcdm_cad.checks.design_variables import Adjustment, down, up, ups
+from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.fixings import STRESS_SAFETY
 from mbcdm_cad.checks.geometry import CABLE_GAP_MM, HOLE_WEB_MM, frame_front, rim_points, web_between, wrap_points
 from mbcdm_cad.design.bought import InsertSpec
@@ -37,15 +37,15 @@ OUT_OF_LINE_MRAD = 2.9
 
 
 _WALL = "material: min_wall_mm"
-_SHELVES: tuple[Adjustment, ...] = (up(at.support.bearing_shelf_mm), up(at.support.encoder_shelf_mm))
+_SHELVES: tuple[Adjustment, ...] = up(at.support.bearing_shelf_mm, at.support.encoder_shelf_mm)
 
 
 @check(
     "Walls of frame and motor head are thick enough",
     _WALL,
-    *ups(at.support.plate_mm, at.support.bridge_mm, at.support.side_wall_mm, at.support.motor_shelf_mm),
+    *up(at.support.plate_mm, at.support.bridge_mm, at.support.side_wall_mm, at.support.motor_shelf_mm),
     *_SHELVES,
-    up(at.transmission.centre_distance_mm),
+    *up(at.transmission.centre_distance_mm),
 )
 def walls(s: SpurLayout) -> Findings:
     """The thinnest wall of frame and motor head, against the minimum of the material."""
@@ -79,7 +79,7 @@ def bearing_seats(s: SpurLayout) -> Findings:
 @check(
     "Input and drum turn freely in the frame",
     "clearances.running_mm; 2 mm: estimate",
-    up(at.transmission.centre_distance_mm),
+    *up(at.transmission.centre_distance_mm),
 )
 def input_room(s: SpurLayout) -> Findings:
     """Pulley and front bearing fit through the plate, the drum clears the shelf, fingers reach round the pulley."""
@@ -116,9 +116,9 @@ def _wall(insert: InsertSpec | None) -> float:
 @carried_check(
     "Motor head is held and located",
     "usual rule: one diameter",
-    up(at.support.plate_mm),
-    down(at.support.bearing_shelf_mm),
-    up(at.support.side_wall_mm),
+    *up(at.support.plate_mm),
+    *down(at.support.bearing_shelf_mm),
+    *up(at.support.side_wall_mm),
 )
 def flange(s: SpurLayout) -> Findings:
     """Screws and dowels of the motor head engage by their diameter in the plate, with enough metal round them."""
@@ -150,7 +150,7 @@ def flange(s: SpurLayout) -> Findings:
 @check(
     "Mounting threads have metal round them",
     "usual rule: one diameter",
-    *ups(at.support.plate_mm, at.transmission.centre_distance_mm),
+    *up(at.support.plate_mm, at.transmission.centre_distance_mm),
 )
 def mounts(s: SpurLayout) -> Findings:
     """Mounting threads are deep enough and clear of boss, motor head, stop pin and the edge of the plate."""
@@ -168,7 +168,7 @@ def mounts(s: SpurLayout) -> Findings:
             yield "mounting thread: stop pin", pin, HOLE_WEB_MM
 
 
-@check("Boss takes drum bearings and encoder", _WALL, down(at.support.back_y_mm))
+@check("Boss takes drum bearings and encoder", _WALL, *down(at.support.back_y_mm))
 def boss(s: SpurLayout) -> Findings:
     """Boss of the drum's bearings: the metal of the plate round it, its walls, its ears."""
     f = s.frame
@@ -195,7 +195,7 @@ def _asked_of_yoke(drive: SpurDrive) -> bool:
 @check(
     "Input's bearings stay in line",
     "bearing makers: 2 to 10 minutes of arc, six times that in plastic: estimate; folded plates; long yokes only",
-    *ups(at.support.bridge_mm, at.support.plate_mm),
+    *up(at.support.bridge_mm, at.support.plate_mm),
     applies=_asked_of_yoke,
     warn=True,
 )
@@ -218,8 +218,8 @@ SUPPORT = Family(
 
 # Points on a full circle of the outline.
 _CORNERS = 72
-_Z: tuple[Adjustment, ...] = (down(at.transmission.centre_distance_mm), up(at.transmission.centre_distance_mm))
-_APART: tuple[Adjustment, ...] = (up(at.drum.hub_face_y_mm), down(at.drum.outer_face_y_mm))
+_Z: tuple[Adjustment, ...] = (*down(at.transmission.centre_distance_mm), *up(at.transmission.centre_distance_mm))
+_APART: tuple[Adjustment, ...] = (*up(at.drum.hub_face_y_mm), *down(at.drum.outer_face_y_mm))
 
 
 @check("Drum and input clear each other", at.clearances.running_mm, *_Z[1:])
@@ -240,7 +240,7 @@ def drum_and_input(s: SpurLayout) -> Findings:
 @check(
     "Motor clears the drum's boss and encoder",
     at.clearances.running_mm,
-    *ups(at.transmission.centre_distance_mm, at.support.coupling_space_mm),
+    *up(at.transmission.centre_distance_mm, at.support.coupling_space_mm),
 )
 def bodies_behind(s: SpurLayout) -> Findings:
     """Gap between motor or gearhead and the parts of the drum behind the plate: boss and encoder."""
@@ -324,8 +324,8 @@ def sectors_apart(s: SpurLayout) -> Findings:
 @_sectors_check(
     "Stress in the dowels between the hubs",
     "material: yield_MPa; 1.5: usual rule",
-    down(at.loads.peak_torque_Nm),
-    up(at.drum.hub_diameter_mm),
+    *down(at.loads.peak_torque_Nm),
+    *up(at.drum.hub_diameter_mm),
     unit="times",
 )
 def hub_dowels(s: SpurLayout) -> Findings:
@@ -344,7 +344,7 @@ def hub_dowels(s: SpurLayout) -> Findings:
     )
 
 
-@_sectors_check("Walls round the dowels in the hub", "usual rule", *ups(at.drum.hub_diameter_mm, at.drum.hub_face_y_mm))
+@_sectors_check("Walls round the dowels in the hub", "usual rule", *up(at.drum.hub_diameter_mm, at.drum.hub_face_y_mm))
 def dowel_holes(s: SpurLayout) -> Findings:
     """Walls from the dowels' holes to bore, rim of the hub, payload's threads and set screws.
 
@@ -370,7 +370,7 @@ def dowel_holes(s: SpurLayout) -> Findings:
 @check(
     "Parallel cables share the load",
     "model: EA, length, pitch of the stud, fits of the lands; a quarter of a flat: estimate",
-    up(at.rope.preload_N),
+    *up(at.rope.preload_N),
     advice="a drum.spring under the nuts, a longer span, less travel or less ratio lower it",
     applies=lambda drive: drive.parallel > 1,
     warn=True,
@@ -389,8 +389,8 @@ def parallel_spread(s: SpurLayout) -> Comparison:
     )
 
 
-_X: tuple[Adjustment, ...] = (down(at.drum.sector_half_angle_deg), up(at.drum.sector_half_angle_deg))
-_Y: tuple[Adjustment, ...] = (down(at.support.coupling_space_mm), up(at.support.coupling_space_mm))
+_X: tuple[Adjustment, ...] = (*down(at.drum.sector_half_angle_deg), *up(at.drum.sector_half_angle_deg))
+_Y: tuple[Adjustment, ...] = (*down(at.support.coupling_space_mm), *up(at.support.coupling_space_mm))
 BOX = (*size.box_checks(box_mm, at.targets.envelope_mm, (_X, _Z, _Y)), size.mass_estimate)
 GAPS = (frame_front, drum_and_input, bodies_behind)
 DOWELS = (hub_dowels, dowel_holes)

@@ -60,8 +60,8 @@ def idler_turns(s: SpurLayout) -> Findings:
 @_idler_check(
     "Walk of the cable stays on the idlers",
     "derived: lead x ratio x travel / 360 deg, and the rise on the wrap; 0.3 mm: estimate",
-    up("idlers.width_mm"),
-    down("travel.half_angle_deg"),
+    *up("idlers.width_mm"),
+    *down("travel.half_angle_deg"),
 )
 def idler_walk(s: SpurLayout) -> Findings:
     """The cable stays on the land of each idler over the travel, and two bearings fit inside."""
@@ -175,9 +175,9 @@ def idler_strap(s: SpurLayout) -> Findings:
 @_idler_check(
     "Idlers clear drum, input and each other",
     "clearances.running_mm; material: min_wall_mm",
-    up("transmission.centre_distance_mm"),
-    down("idlers.radius_mm"),
-    up("idlers.radius_mm"),
+    *up("transmission.centre_distance_mm"),
+    *down("idlers.radius_mm"),
+    *up("idlers.radius_mm"),
     advice="move idlers.places away from the drum, or leave them out",
 )
 def idler_room(s: SpurLayout) -> Findings:
@@ -204,7 +204,7 @@ def idler_room(s: SpurLayout) -> Findings:
 @_idler_check(
     "Spans between idlers do not swing",
     "string, f = sqrt(T/m)/(2 l); 50 Hz: estimate",
-    up("rope.preload_N"),
+    *up("rope.preload_N"),
     advice="give idlers.places with another pair in the longest span",
     warn=True,
     unit="Hz",

@@ -4,7 +4,7 @@ import numpy as np
 
 from mbcdm_cad.checks.bearings import LESS, input_reactions
 from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check_for
-from mbcdm_cad.checks.design_variables import down, downs, up, ups
+from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.fixings import FRICTION, SLIP_SAFETY, STRESS_SAFETY, round_shaft_MPa, set_screws_hold_Nmm
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, web_between
 from mbcdm_cad.checks.input_pulley import GRIP_DIAMETERS
@@ -43,7 +43,7 @@ def _pull(s: SpurLayout) -> tuple[float, float, float]:
     "Motor's bearings carry the cables",
     "catalogue: radial load at its distance; statics",
     *LESS,
-    up("transmission.turns"),
+    *up("transmission.turns"),
     advice=_SHAFT,
 )
 def motor_shaft_load(s: SpurLayout) -> Comparison:
@@ -82,7 +82,7 @@ def motor_shaft_sag(s: SpurLayout) -> Comparison:
 @_without_horn(
     "Set screws hold the pulley on the motor's shaft",
     "mu F r (2 + sqrt 2), screws at right angles; half of a cap screw's force: estimate",
-    *downs("loads.peak_torque_Nm", "transmission.input_to_drum"),
+    *down("loads.peak_torque_Nm", "transmission.input_to_drum"),
     advice=_SHAFT,
     unit="times",
 )
@@ -102,8 +102,8 @@ def pulley_set_screws(s: SpurLayout) -> Findings:
 @_without_horn(
     "Walls of the pulley on the motor's shaft",
     "material: min_wall_mm",
-    down("transmission.input_to_drum"),
-    up("all radii of transmission"),
+    *down("transmission.input_to_drum"),
+    *up("all radii of transmission"),
 )
 def hub_walls_of_pulley(s: SpurLayout) -> Findings:
     """Walls of the pulley round its bore, and whole set screws in the hub."""
@@ -118,7 +118,7 @@ def hub_walls_of_pulley(s: SpurLayout) -> Findings:
 @_without_horn(
     "Motor's shaft reaches into the pulley",
     "one diameter: usual rule",
-    *downs("support.plate_mm", "support.motor_shelf_mm"),
+    *down("support.plate_mm", "support.motor_shelf_mm"),
     advice="choose a motor or gearhead with a longer shaft",
 )
 def motor_shaft_grip(s: SpurLayout) -> Findings:
@@ -134,7 +134,7 @@ def motor_shaft_grip(s: SpurLayout) -> Findings:
 @_on_horn(
     "Screws hold the pulley on the servo's horn",
     "mu F r; class 8.8 at 0.7 of yield, mu 0.15: usual values",
-    *downs("loads.peak_torque_Nm", "transmission.input_to_drum"),
+    *down("loads.peak_torque_Nm", "transmission.input_to_drum"),
     advice=_SMALLER,
 )
 def horn_screws(s: SpurLayout) -> Comparison:
@@ -149,8 +149,8 @@ def horn_screws(s: SpurLayout) -> Comparison:
 @_on_horn(
     "Pulley's flange fits the servo's horn",
     "usual rule: one diameter, or the horn's thickness",
-    up("transmission.input_to_drum"),
-    down("all radii of transmission"),
+    *up("transmission.input_to_drum"),
+    *down("all radii of transmission"),
     advice=_SMALLER,
 )
 def horn_flange(s: SpurLayout) -> Findings:
@@ -171,7 +171,7 @@ def horn_flange(s: SpurLayout) -> Findings:
 @_on_horn(
     "Play of the servo's gears",
     "catalogue; derived: lash over the ratio",
-    up("transmission.input_to_drum"),
+    *up("transmission.input_to_drum"),
     advice="choose a servo whose sensor is on its horn's shaft",
     warn=True,
 )
@@ -216,7 +216,7 @@ def _servo_seat(s: SpurLayout, seat: MotorSeat, window: tuple[float, float, floa
 @_on_shaft(
     "Plate takes the motor's pilot and screws",
     "material: min_wall_mm",
-    *ups("support.plate_mm", "transmission.centre_distance_mm"),
+    *up("support.plate_mm", "transmission.centre_distance_mm"),
 )
 def motor_seat(s: SpurLayout) -> Findings:
     """The heads of the motor's screws are sunk in the plate, with metal under them and round all holes."""
@@ -242,7 +242,7 @@ def motor_seat(s: SpurLayout) -> Findings:
     yield "plate under these heads", seat.shelf, limit
 
 
-@_on_shaft("Hub of the input pulley clears the drum", "clearances.running_mm", up("transmission.centre_distance_mm"))
+@_on_shaft("Hub of the input pulley clears the drum", "clearances.running_mm", *up("transmission.centre_distance_mm"))
 def hub_and_drum(s: SpurLayout) -> Comparison:
     """Gap between the hub with its set screws and the drum's rim with its cables."""
     drive = s.drive

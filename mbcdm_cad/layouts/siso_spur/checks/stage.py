@@ -9,7 +9,7 @@ import numpy as np
 from mbcdm_cad.checks import fixings, motors, structure
 from mbcdm_cad.checks.bearings import stage_torque_Nm
 from mbcdm_cad.checks.comparison import Check, Comparison, Family, Findings, at_least, at_most, check, check_for, noted
-from mbcdm_cad.checks.design_variables import down, downs, up
+from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.fixings import FRICTION, SLIP_SAFETY, STRESS_SAFETY, round_shaft_MPa, stalled_Nm
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, drum_zones
 from mbcdm_cad.checks.run import Budget, remedy, rounded
@@ -60,7 +60,7 @@ _end_check = check_for(lambda drive: drive.drum.shaft_end_mm > 0.0)
 @_stage_check(
     "Belt or teeth carry the peak torque",
     "belt: makers' allowable working tension; gears: Lewis; service factor 1.5: belt makers",
-    up("stage.width_mm"),
+    *up("stage.width_mm"),
     advice_on=_stronger,
 )
 def stage_strength(s: SpurLayout) -> Comparison:
@@ -85,7 +85,7 @@ def stage_strength(s: SpurLayout) -> Comparison:
 @_belt_check(
     "Enough teeth in the belt",
     "six teeth: belt makers",
-    up("stage.belt_teeth"),
+    *up("stage.belt_teeth"),
     advice="raise stage.belt_teeth, which moves the axes apart, or stage.driver_teeth, or lower stage.ratio",
 )
 def stage_mesh(s: SpurLayout) -> Comparison:
@@ -97,7 +97,7 @@ def stage_mesh(s: SpurLayout) -> Comparison:
 @_stage_check(
     "Wheels of belt or gears have room",
     "clearances.running_mm; 0.8 mm round the bore: makers' smallest wheels",
-    up("stage.belt_teeth"),
+    *up("stage.belt_teeth"),
     advice="raise stage.driver_teeth, or stage.belt_teeth, or stage.module_mm, which move the axes apart",
 )
 def stage_room(s: SpurLayout) -> Findings:
@@ -118,7 +118,7 @@ def stage_room(s: SpurLayout) -> Findings:
 @_belt_check(
     "A key reaches the motor's screws beside the belt",
     "derived",
-    up("stage.belt_teeth"),
+    *up("stage.belt_teeth"),
     advice="choose a motor or gearhead whose screws stand further from its shaft, or kind: gears",
 )
 def stage_key(s: SpurLayout) -> Comparison:
@@ -149,7 +149,7 @@ def stage_shaft(s: SpurLayout) -> Comparison:
 @_stage_check(
     "Driving wheel holds on its shaft",
     "makers of retaining compounds: 15 to 25 MPa, half counted",
-    up("stage.width_mm"),
+    *up("stage.width_mm"),
     advice="choose a motor or gearhead with a longer or thicker shaft, or raise stage.width_mm",
 )
 def stage_bond(s: SpurLayout) -> Comparison:
@@ -230,7 +230,7 @@ NOT_OF_A_FIRST = (
 @_end_check(
     "Drum's shaft carries the output torque",
     "material: yield_MPa",
-    *downs(at.drum.shaft_bore_mm, at.loads.peak_torque_Nm),
+    *down(at.drum.shaft_bore_mm, at.loads.peak_torque_Nm),
     advice="choose a drum.bearing of larger bore",
 )
 def shaft_end_stress(s: SpurLayout) -> Comparison:
@@ -245,7 +245,7 @@ def shaft_end_stress(s: SpurLayout) -> Comparison:
 @_end_check(
     "Drum's shaft stiff against torsion",
     "the turn of the cables: choice",
-    down(at.drum.shaft_bore_mm),
+    *down(at.drum.shaft_bore_mm),
     advice="choose a drum.bearing of larger bore, or lower drum.shaft_end_mm",
 )
 def shaft_end_twist(s: SpurLayout) -> Comparison:
@@ -260,7 +260,7 @@ def shaft_end_twist(s: SpurLayout) -> Comparison:
 @_end_check(
     "Hub holds on the drum's shaft",
     "makers of retaining compounds: 15 to 25 MPa, half counted",
-    down(at.loads.peak_torque_Nm),
+    *down(at.loads.peak_torque_Nm),
     advice="choose a drum.bearing of larger bore, or raise drum.hub_face_y_mm",
 )
 def shaft_end_bond(s: SpurLayout) -> Comparison:
@@ -274,7 +274,7 @@ def shaft_end_bond(s: SpurLayout) -> Comparison:
 @_end_check(
     "Flange of the boss does not slip",
     "friction of tightened screws, as mounting_screws",
-    down(at.loads.peak_torque_Nm),
+    *down(at.loads.peak_torque_Nm),
     advice="choose a larger drum.bearing, round which the screws stand further out",
 )
 def shaft_end_flange(s: SpurLayout) -> Comparison:

@@ -15,7 +15,7 @@ import numpy as np
 
 from mbcdm_cad.checks import geometry, input_pulley, terminals
 from mbcdm_cad.checks.comparison import Comparison, Family, Findings, at_least, at_most, check, check_for, noted
-from mbcdm_cad.checks.design_variables import down, downs, up, ups
+from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.ratios import BENDING, SURFACE_TOLERANCE_MM, anchor_bend, surface_radius
 from mbcdm_cad.checks.transfer import MORE_WRAP, SLIPS, WRAPS, stack_check, transmission_error, wrap_under_turn
 from mbcdm_cad.design.paths import at
@@ -52,7 +52,7 @@ _IS_ANCHORED = attrgetter("anchored")
 _RADII = (surface_radius, cut_at_pitch, *BENDING, anchor_bend.but(applies=_IS_ANCHORED))
 _STOPS = (
     input_pulley.dead_turns.but(
-        adjust=(up(at.transmission.turns), *downs(at.transmission.input_to_drum, at.travel.half_angle_deg))
+        adjust=(*up(at.transmission.turns), *down(at.transmission.input_to_drum, at.travel.half_angle_deg))
     ),
     *input_pulley.STOPS,
 )
@@ -69,15 +69,15 @@ LAND_EDGE_MM = 0.3
 _WOUND = (ON_INPUT[0], "idler")
 
 
-_LESS = (up(at.rope.preload_N), down(at.loads.peak_torque_Nm))
-_LEAD = (up(at.rope.helix_lead_mm), down("rope diameter_mm"))
+_LESS = (*up(at.rope.preload_N), *down(at.loads.peak_torque_Nm))
+_LEAD = (*up(at.rope.helix_lead_mm), *down("rope diameter_mm"))
 
 
 @check(
     "Centre distance leaves a free span",
     "paper Eq. (11)",
-    up(at.transmission.centre_distance_mm),
-    down("all radii of transmission"),
+    *up(at.transmission.centre_distance_mm),
+    *down("all radii of transmission"),
 )
 def free_span(s: SpurLayout) -> Comparison:
     """Centre distance compared with the sum of the pitch radii."""
@@ -146,8 +146,8 @@ def _slip_angles_deg(s: SpurLayout) -> float:
 @_continuous_check(
     "Part of the cable never leaves the input",
     "derived: otherwise the cable creeps on in every cycle",
-    down(at.travel.half_angle_deg),
-    up(at.rope.preload_N),
+    *down(at.travel.half_angle_deg),
+    *up(at.rope.preload_N),
     advice=_turns_that_hold,
     warn=True,
 )
@@ -182,7 +182,7 @@ def groove_crest(s: SpurLayout) -> Findings:
 @check(
     "Walk of the cable stays on the input",
     "derived: lead x ratio x travel / 360 deg; 0.3 mm: estimate",
-    down(at.travel.half_angle_deg),
+    *down(at.travel.half_angle_deg),
 )
 def input_walk(s: SpurLayout) -> Comparison:
     """The walk of both spans stays on the input's land."""
@@ -196,8 +196,8 @@ def input_walk(s: SpurLayout) -> Comparison:
 @_continuous_check(
     "Gap between both sides on the drum",
     "derived: N leads and the spans' slope; 0.1 mm: estimate",
-    *ups(at.transmission.turns, at.transmission.centre_distance_mm),
-    down(at.travel.half_angle_deg),
+    *up(at.transmission.turns, at.transmission.centre_distance_mm),
+    *down(at.travel.half_angle_deg),
 )
 def land_spacing(s: SpurLayout) -> Comparison:
     """Gap along y between the parts of the drum that both sides use over the travel."""
@@ -205,7 +205,7 @@ def land_spacing(s: SpurLayout) -> Comparison:
     return at_least("gap of the two sides on the drum, walk included", gap, geometry.CABLE_GAP_MM, "mm")
 
 
-@check("The cable lies within the rim", at.clearances.land_edge_mm, up(at.drum.outer_face_y_mm))
+@check("The cable lies within the rim", at.clearances.land_edge_mm, *up(at.drum.outer_face_y_mm))
 def rim_width(s: SpurLayout) -> Findings:
     """The cable's outermost planes lie inside the rim's faces."""
     lands, edge = s.drum.lands, s.drive.clearances.land_edge_mm
@@ -217,8 +217,8 @@ def rim_width(s: SpurLayout) -> Findings:
 @check(
     "Fleet angle at the input",
     "1.5 deg: rope makers",
-    down(at.rope.helix_lead_mm),
-    up("all radii of transmission"),
+    *down(at.rope.helix_lead_mm),
+    *up("all radii of transmission"),
     advice="set input_pulleys.surface: grooved",
 )
 def fleet_angle(s: SpurLayout) -> Findings:
@@ -269,7 +269,7 @@ _WINDING = (
     land_spacing,
     geometry.cables_apart.but(
         source="derived: the spans converge; 0.1 mm: estimate",
-        adjust=(down(at.transmission.centre_distance_mm),),
+        adjust=down(at.transmission.centre_distance_mm),
         applies=_IS_ANCHORED,
     ),
     rim_width,
@@ -386,7 +386,7 @@ def _come_by(s: SpurLayout, reach_mm: float) -> Findings:
 @check(
     "Turns on a whole drum lie clear of each other and of the terminals",
     "derived: lead x ratio; material: min_wall_mm",
-    up("rope.helix_lead_mm"),
+    *up("rope.helix_lead_mm"),
     advice="choose a smaller drum.tensioner",
     applies=lambda drive: drive.whole_drum,
 )
