@@ -7,9 +7,12 @@ import numpy as np
 
 from mbcdm_cad.loop.effect import Effect, Figure, Parameter
 from mbcdm_cad.loop.prepare.setup import DriveSI, Floats, Prepared, Setup, Simulator
+from mbcdm_cad.measurement.run import smoothed
 
 # Points at which the height of the bow is evaluated.
 POINTS = 201
+# Time over which the error of the output is smoothed, s.
+WINDOW_S = 1.0
 
 
 def _shapes(angle_rad: Floats, low_rad: float, high_rad: float) -> tuple[Floats, Floats]:
@@ -25,10 +28,16 @@ def _bent(angle_of: Callable[[Setup], Floats], setup: Setup, values: Floats, _: 
     return setup.with_added(values[0] * square + values[1] * cube)
 
 
+def _reached(setup: Setup) -> Floats:
+    """The output's angle without the noise of each reading: a curve over that would explain the noise by itself."""
+    expected, p = setup.drum_rad, setup.p
+    return np.asarray(expected + smoothed(p.output_rad - expected, WINDOW_S, p.step_s))
+
+
 # A bow of a tenth of a radian is another curve over the angle that it bends.
 FORMS: dict[str, Callable[[Setup], Floats]] = {
     "smooth curve in angle": lambda setup: setup.drum_rad,
-    "smooth curve in the output's angle": lambda setup: setup.p.output_rad,
+    "smooth curve in the output's angle": _reached,
 }
 
 

@@ -9,7 +9,6 @@ from dataclasses import dataclass, fields, replace
 from importlib import import_module
 from math import pi, radians
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -29,7 +28,6 @@ from mbcdm_cad.model.preload_ramp import HeldDrive, Ramp, SampleNoise, expected,
 from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.rig import chain, effects
 from mbcdm_cad.rig.bench import BenchLimits, BenchSensors, cables_of
-from mbcdm_cad.rig.command import _overload
 from mbcdm_cad.rig.dynamic.train import gearhead_of
 from mbcdm_cad.rig.effects import AnyEffect
 from mbcdm_cad.rig.effects.machine import BearingFriction, GearheadLash, RigEffect
@@ -78,11 +76,11 @@ def test_same_seed_same_bytes_and_another_seed_others(files, tmp_path):
     assert made("c")["short.csv"] != first["short.csv"]
 
 
-@pytest.mark.parametrize(("load_Nm", "said"), [(3.15, ""), (-3.2, "note: the load reaches 3.2 N m")])
-def test_a_load_beyond_what_the_design_is_made_for_is_said(load_Nm, said, project):
-    run = SimpleNamespace(load_Nm=np.array([0.0, load_Nm]))
-    found = _overload(load_design(project / "params" / "mbcdm.yaml").drive, run)
-    assert bool(found) is bool(said) and said in found
+@pytest.mark.parametrize(("load_Nm", "said"), [(3.15, False), (3.2, True)])
+def test_a_load_beyond_what_the_design_is_made_for_is_said(load_Nm, said, files, tmp_path, capsys):
+    Path(files[1]).write_text(SHORT.replace("0.91", str(load_Nm)))
+    assert cli(["simulate", *files, "--out", str(tmp_path / "out")]) == 0
+    assert ("note: the load reaches 3.2 N m" in capsys.readouterr().out) is said
 
 
 def test_a_folder_of_something_else_is_left_alone(files, tmp_path, capsys):

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.checks import bearings
 from mbcdm_cad.checks.comparison import Check, Comparison, Findings, at_most, check, noted
-from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.checks.design_variables import ROPE_DIAMETER, down, up
 from mbcdm_cad.checks.fixings import STRESS_SAFETY, bent_axle_Nmm, round_shaft_MPa
 from mbcdm_cad.checks.ratios import BENDING, RATIO_TOLERANCE, anchor_bend, pair_mismatch, spread, surface_radius
 from mbcdm_cad.design.paths import at
@@ -107,9 +107,10 @@ SURFACES = (surface_radius, cut_at_pitch)
 
 
 def with_guide(checks: Iterable[Check]) -> tuple[Check, ...]:
-    """Checks whose remedies change the ratio of input to guide in place of that of input to drum."""
+    """Checks whose remedies change the ratio of input to guide in place of that of input to drum, after the rope."""
     to_drum, to_guide = at.transmission.input_to_drum, *down("transmission.ratios.input_to_guide")
-    return tuple(c.but(adjust=tuple(to_guide if a.path == to_drum else a for a in c.adjust)) for c in checks)
+    ways = [(c, [to_guide if a.path == to_drum else a for a in c.adjust]) for c in checks]
+    return tuple(c.but(adjust=tuple(sorted(way, key=lambda a: a.path != ROPE_DIAMETER))) for c, way in ways)
 
 
 BENDS = with_guide((*BENDING, anchor_bend))
