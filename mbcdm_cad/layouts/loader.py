@@ -98,10 +98,8 @@ def design_file_of(tree: Tree, path: str) -> DesignFile:
     if isinstance(name, str):
         with suppress(MbcdmError):
             return design_file_named(name)
-    known = names()
-    line, limit = tree.line_of(("configuration",)), "one of " + ", ".join(known)
-    remedy = did_you_mean(str(name), known)
-    raise InputError([Problem(path, line, "configuration", "not a known word", shortened(name), limit, remedy)])
+    where = path, tree.line_of(("configuration",)), "configuration", "not a known word", shortened(name)
+    raise InputError([Problem(*where, "one of " + ", ".join(names()), did_you_mean(str(name), names()))])
 
 
 def _without_configuration(tree: Tree, path: str) -> list[Problem]:
@@ -113,4 +111,6 @@ def _without_configuration(tree: Tree, path: str) -> list[Problem]:
         for key in tree.data
         if key not in known
     ]
+    if 2 * len(unknown) > len(tree.data):
+        return [Problem(path, 1, "", "most of its fields are none of a design", remedy="give the design file first")]
     return [Problem(path, 1, "configuration", "missing", "", limit, remedy, missing=True), *unknown]

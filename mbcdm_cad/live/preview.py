@@ -33,38 +33,6 @@ from mbcdm_cad.workshop.store import Store, StoredPart
 from mbcdm_cad.workshop.trianglemesh import TriangleMesh
 
 
-@dataclass(frozen=True)
-class Preview:
-    """The page as bytes, and the names of the parts whose files were written for it."""
-
-    page: bytes
-    written: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class _Drawn:
-    """Parts drawn for the newest design, and the content of its page that needs no parts."""
-
-    design_sha256: str
-    parts: dict[str, StoredPart]
-    figures: PageFigures
-
-
-@dataclass(frozen=True)
-class _Cable:
-    """A cable that is not drawn yet."""
-
-    spec: PartSpec
-    material: Material
-    key: str
-
-    def undrawn(self) -> StoredPart:
-        """The cable without files, with the figures that its centre line gives."""
-        none, rod = TriangleMesh.empty(), self.spec.part
-        assert isinstance(rod, CableRod), f"{self.spec.name} is no cable"
-        return StoredPart(self.key, PartFiles(self.spec.name, b"", b"", none, rod_shape(rod.pieces, rod.radius)))
-
-
 class Previewer:
     """Draws one design after the other into ``folder``; a part is written only if it differs from the last one written.
 
@@ -81,13 +49,16 @@ class Previewer:
         self._store = Store(cache, lambda name: None)
         self._written: dict[str, str] = {}
         self._lengths: dict[str, int] = {}
-        self._drawn: _Drawn | None = None
-        self._cables: list[_Cable] = []
+        # The hash of the newest design, its parts, and the content of its page that needs none.
+        self._drawn: tuple[str, dict[str, StoredPart], PageFigures] | None = None
+        # Cables that are not drawn yet, with their keys.
+        self._cables: list[tuple[PartSpec, Material, str]] = []
 
-    def preview(self, loaded: LoadedDesign, checks: Sequence[CheckResult]) -> Preview:
+    def preview(self, loaded: LoadedDesign, checks: Sequence[CheckResult]) -> tuple[bytes, tuple[str, ...]]:
         """STEP and STL of each changed part in the folder, and the page with the ``checks`` of the design.
 
-        Raises ``MbcdmError`` for a part that cannot be drawn.
+        Gives the page, and the names of the parts whose files were written for it. Raises ``MbcdmError`` for a part
+        that cannot be drawn.
         """
         drive = loaded.drive
         layout = layout_of(drive)
@@ -102,9 +73,10 @@ class Previewer:
         missing = self._in_order([name for name in keys if name not in parts], pulleys)
         for name in missing:
             self._written.pop(name, None)  # its file changes even if this job is stopped
-        self._cables = [_Cable(bill.parts[n], materials[n], keys[n]) for n in missing if n.startswith(CABLE)]
-        for cable in self._cables:
-            self._remove(cable.spec.name)
+        self._cables = [(bill.parts[n], materials[n], keys[n]) for n in missing if n.startswith(CABLE)]
+        for spec, _, _ in self._cables:
+            for ending in (".step", ".stl"):
+                self._stem(spec.name).with_suffix(ending).unlink(missing_ok=True)
         missing = [name for name in missing if not name.startswith(CABLE)]
 
         def draw(name: str) -> PartFiles:
@@ -119,15 +91,20 @@ class Previewer:
             drawn = results(self._look)
         made = self._store.keep(keys, drawn)
         self._write(made)
-        parts |= made | {cable.spec.name: cable.undrawn() for cable in self._cables}
+        parts |= made
+        for spec, _, key in self._cables:
+            # Without files, with the figures that its centre line gives.
+            assert isinstance(spec.part, CableRod), f"{spec.name} is no cable"
+            shape = rod_shape(spec.part.pieces, spec.part.radius)
+            parts[spec.name] = StoredPart(key, PartFiles(spec.name, b"", b"", TriangleMesh.empty(), shape))
         data = report_data(
             layout, bill, parts, Tested(), drum_angle_deg=0.0, design_sha256=loaded.sha256, figures=figures
         )
         mass, size = data["mass"], data["envelope"]["size_mm"]
         whole = (*checks, mass_check(drive, mass["mass_g"], mass["sigma_g"]), envelope_check(drive, size))
-        self._drawn = _Drawn(loaded.sha256, parts, shown)
+        self._drawn = loaded.sha256, parts, shown
         written = tuple(name for name in changed if name in self._written)
-        return Preview(page_of(drive, data | checks_data(whole) | fields, parts, shown), written)
+        return page_of(drive, data | checks_data(whole) | fields, parts, shown), written
 
     def draw_cables(self) -> None:
         """Write the STEP files of the cables that changed with the last preview, whose page does not wait for them.
@@ -135,21 +112,18 @@ class Previewer:
         Raises ``MbcdmError`` for a cable that cannot be drawn.
         """
 
-        def draw(cable: _Cable) -> PartFiles:
-            return drawn_part(cable.spec, cable.material, None)
-
-        with forked(draw, self._cables, os.cpu_count() or 1) as results:
-            drawn = results(self._look)
-        self._write({c.spec.name: StoredPart(c.key, files) for c, files in zip(self._cables, drawn, strict=True)})
+        with forked(lambda one: drawn_part(one[0], one[1], None), self._cables, os.cpu_count() or 1) as results:
+            drawn = zip(self._cables, results(self._look), strict=True)
+        self._write({spec.name: StoredPart(key, files) for (spec, _, key), files in drawn})
         self._cables = []
 
     def complete(self, loaded: LoadedDesign, built: Path, checks: Sequence[CheckResult]) -> bytes:
         """The page of a whole build in the folder ``built``, written there."""
-        if self._drawn is None or self._drawn.design_sha256 != loaded.sha256:
+        if self._drawn is None or self._drawn[0] != loaded.sha256:
             self.preview(loaded, checks)
         assert self._drawn is not None
         data = json.loads((built / "report.json").read_text("utf-8"))
-        page = page_of(loaded.drive, data, self._drawn.parts, self._drawn.figures)
+        page = page_of(loaded.drive, data, *self._drawn[1:])
         write_whole({built / PAGE: page}, durable=False)
         return page
 
@@ -166,10 +140,6 @@ class Previewer:
 
     def _stem(self, name: str) -> Path:
         return self._folder / "parts" / name
-
-    def _remove(self, name: str) -> None:
-        for ending in (".step", ".stl"):
-            self._stem(name).with_suffix(ending).unlink(missing_ok=True)
 
     def _write(self, parts: Mapping[str, StoredPart]) -> None:
         """Write STEP and STL of the parts; for a part without a mesh an old STL is removed."""
@@ -236,8 +206,7 @@ def work(connection: Connection, folder: Path, use_cache: bool) -> None:
                     page = previewer.complete(loaded, job.built, job.checks)
                     connection.send(Drawn(job.number, page, whole=True))
                 else:
-                    preview = previewer.preview(loaded, job.checks)
-                    connection.send(Drawn(job.number, preview.page, preview.written))
+                    connection.send(Drawn(job.number, *previewer.preview(loaded, job.checks)))
                     if not connection.poll(_CABLES_AFTER_S):
                         previewer.draw_cables()
             except _SupersededError:

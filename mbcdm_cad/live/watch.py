@@ -21,10 +21,10 @@ from dataclasses import asdict, dataclass, field
 from importlib.resources import files
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any
 
 import watchfiles
 from aiohttp import web
+from aiohttp.typedefs import Handler
 
 from mbcdm_cad.checks.comparison import CheckResult
 from mbcdm_cad.design.loader import LoadedDesign
@@ -32,13 +32,8 @@ from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.loader import load_design, load_text
 from mbcdm_cad.live.preview import Drawn, Job, work
 from mbcdm_cad.report.check_report import CheckReport, check_design
+from mbcdm_cad.report.page.template import page_environment
 
-_WAITING = (
-    "<!DOCTYPE html><html lang='en'><head><meta charset='utf-8'><title>mbcdm watch</title>"
-    "<meta name='viewport' content='width=device-width, initial-scale=1'></head>"
-    "<body style='font-family:system-ui;margin:3em'><h1>Drawing the design</h1>"
-    "<p>The page appears here as soon as its parts are drawn.</p></body></html>"
-)
 _END = re.compile(r"</body>\s*</html>\s*$")
 
 
@@ -57,10 +52,6 @@ class WatchState:
     findings: list[dict[str, str]] = field(default_factory=list)
     page: int = 0
 
-    def to_dict(self) -> dict[str, Any]:
-        """As plain data, for the page."""
-        return asdict(self)
-
     def judged(self, report: CheckReport) -> None:
         """Take over the results of the checks."""
         self.stage = "drawing" if report.passed else "failing"
@@ -74,7 +65,8 @@ class WatchState:
 
 def live_page(page: bytes | None, number: int) -> bytes:
     """A report page that follows the design: it shows the state and reloads when a newer page exists."""
-    text = page.decode() if page is not None else _WAITING
+    waiting = page_environment(("mbcdm_cad.live", "assets")).get_template("waiting.html.j2")
+    text = waiting.render() if page is None else page.decode()
     script = files("mbcdm_cad.live").joinpath("assets/live.js").read_text("utf-8")
     own = f"<script>window.liveDrive={{page:{number}}};</script><script>{script}</script></body></html>"
     return _END.sub(lambda _: own, text).encode()
@@ -82,6 +74,9 @@ def live_page(page: bytes | None, number: int) -> bytes:
 
 HOST = "127.0.0.1"
 _HEADERS = {"Cache-Control": "no-store", "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff"}
+# Time, s, after which a connection without a whole request ends, and one that does not take what is sent to it; and
+# how many are answered at once.
+_SLOW_S, _MOST = 10.0, 32
 
 
 class Server:
@@ -96,7 +91,9 @@ class Server:
         self.page: bytes | None = None
         self._folders = tuple(folders)
         self._token = secrets.token_urlsafe(16)
-        self._listeners: set[asyncio.Queue[str | None]] = set()
+        # Set when there is a new state, which a new event then takes the place of.
+        self._news = asyncio.Event()
+        self._ended, self._answered = False, 0
         self._runner: web.AppRunner | None = None
         self._port = 0
 
@@ -107,11 +104,13 @@ class Server:
 
     async def start(self, port: int) -> None:
         """Listen on ``port`` of the loopback, 0 for any free one. Raises ``MbcdmError`` where it is taken."""
-        app = web.Application()
+        app = web.Application(middlewares=[self._bounded])
         app.router.add_get("/{token}/", self._page)
         app.router.add_get("/{token}/events", self._events)
         app.router.add_get("/{token}/{file:.+}", self._file)
-        self._runner = web.AppRunner(app, access_log=None, shutdown_timeout=0.5)
+        self._runner = web.AppRunner(
+            app, access_log=None, shutdown_timeout=0.5, keepalive_timeout=_SLOW_S, handler_cancellation=True
+        )
         await self._runner.setup()
         try:
             site = web.TCPSite(self._runner, HOST, port)
@@ -123,52 +122,60 @@ class Server:
 
     async def stop(self) -> None:
         """Tell every open page that the process ends, and close."""
-        for queue in self._listeners:
-            queue.put_nowait(None)
+        self._ended = True
+        self._news.set()
         if self._runner is not None:
             await self._runner.cleanup()
 
     def tell(self) -> None:
-        """Send the state to every open page."""
-        text = json.dumps(self.state.to_dict())
-        for queue in self._listeners:
-            queue.put_nowait(text)
+        """Send the state to every open page; one that is slow gets the newest alone."""
+        self._news.set()
+        self._news = asyncio.Event()
 
-    def _refuse_strangers(self, request: web.Request) -> None:
+    @web.middleware
+    async def _bounded(self, request: web.Request, handler: Handler) -> web.StreamResponse:
+        """Answer who knows the address, and no more than so many requests at once, none for long."""
         named = request.host in (f"{HOST}:{self._port}", f"localhost:{self._port}")
-        token = request.match_info["token"]
-        if not (named and hmac.compare_digest(token.encode(), self._token.encode())):
+        token = request.match_info.get("token", "").encode()
+        if not (named and hmac.compare_digest(token, self._token.encode())):
             raise web.HTTPNotFound
+        if self._answered >= _MOST:
+            raise web.HTTPServiceUnavailable
+        self._answered += 1
+        try:
+            response = await handler(request)
+            async with asyncio.timeout(_SLOW_S):
+                await response.prepare(request)
+                await response.write_eof()
+        except (ConnectionError, TimeoutError):  # the page was closed, or does not read
+            if request.transport is not None:
+                request.transport.abort()
+            raise asyncio.CancelledError from None
+        finally:
+            self._answered -= 1
+        return response
 
     async def _page(self, request: web.Request) -> web.Response:
-        self._refuse_strangers(request)
         body = live_page(self.page, self.state.page)
         return web.Response(body=body, content_type="text/html", charset="utf-8", headers=_HEADERS)
 
     async def _events(self, request: web.Request) -> web.StreamResponse:
-        self._refuse_strangers(request)
         response = web.StreamResponse(headers={**_HEADERS, "Content-Type": "text/event-stream"})
         await response.prepare(request)
-        queue: asyncio.Queue[str | None] = asyncio.Queue()
-        self._listeners.add(queue)
-        try:
-            text: str | None = json.dumps(self.state.to_dict())
-            while text is not None:
-                await response.write(f"data: {text}\n\n".encode())
-                text = await queue.get()
-        except ConnectionResetError:
-            pass
-        finally:
-            self._listeners.discard(queue)
+        while not self._ended:
+            news = self._news
+            async with asyncio.timeout(_SLOW_S):
+                await response.write(f"data: {json.dumps(asdict(self.state))}\n\n".encode())
+            await news.wait()
         return response
 
     async def _file(self, request: web.Request) -> web.FileResponse:
-        self._refuse_strangers(request)
         for folder in self._folders:
-            root = folder.resolve()
-            path = (root / request.match_info["file"]).resolve()
-            if path.is_relative_to(root) and path.is_file():
-                return web.FileResponse(path, headers=_HEADERS)
+            with contextlib.suppress(OSError, ValueError):  # no name that a file could have
+                root = folder.resolve()
+                path = (root / request.match_info["file"]).resolve()
+                if path.is_relative_to(root) and path.is_file():
+                    return web.FileResponse(path, headers=_HEADERS)
         raise web.HTTPNotFound
 
 
@@ -184,41 +191,23 @@ _BUILD_NICENESS = 10
 Say = Callable[[str], None]
 
 
-@dataclass(frozen=True)
-class Watched:
-    """The design file and the output folders: ``folder`` of the whole build, ``live`` of the preview."""
-
-    path: Path
-    out: Path
-    name: str
-    use_cache: bool
-
-    @property
-    def folder(self) -> Path:
-        """The design's output folder, as `mbcdm build` writes it."""
-        return self.out / self.name
-
-    @property
-    def live(self) -> Path:
-        """Folder of the parts after the newest save, before the whole build."""
-        return self.out / f"{self.name}-live"
-
-
 class Watch:
-    """Follows one design file until it is cancelled."""
+    """Follows one design file until it is cancelled: ``out/NAME-live`` has the parts after the newest save at once,
+    ``out/NAME`` the whole build."""
 
-    def __init__(self, watched: Watched, say: Say) -> None:
-        self._watched = watched
+    def __init__(self, path: Path, out: Path, name: str, use_cache: bool, say: Say) -> None:
+        self._path, self._out, self._name, self._use_cache = path, out, name, use_cache
+        self._folder, live = out / name, out / f"{name}-live"
         self._say = say
         self._state = WatchState()
-        self.server = Server(self._state, (watched.live, watched.folder))
+        self.server = Server(self._state, (live, self._folder))
         self._loaded: LoadedDesign | None = None
         self._checks: tuple[CheckResult, ...] = ()
         self._saved_s = 0.0
         self._build: asyncio.Task[None] | None = None
         context = multiprocessing.get_context("spawn")
         self._worker, other = context.Pipe()
-        self._process = context.Process(target=work, args=(other, watched.live, watched.use_cache), daemon=False)
+        self._process = context.Process(target=work, args=(other, live, use_cache), daemon=False)
         self._others_end: Connection = other
 
     async def run(self, port: int) -> None:
@@ -229,9 +218,9 @@ class Watch:
         loop = asyncio.get_running_loop()
         loop.add_reader(self._worker.fileno(), self._drawn)
         try:
-            self._say(f"{self.server.address}\nfollows {self._watched.path}; Ctrl-C ends it")
+            self._say(f"{self.server.address}\nfollows {self._path}; Ctrl-C ends it")
             await self._changed()
-            folder, name = self._watched.path.resolve().parent, self._watched.path.name
+            folder, name = self._path.resolve().parent, self._path.name
             async for _ in watchfiles.awatch(
                 folder,
                 watch_filter=lambda change, path: Path(path).name == name,
@@ -253,7 +242,7 @@ class Watch:
     async def _changed(self) -> None:
         """Read the file, check it, and have it drawn if all checks pass."""
         self._saved_s = time.perf_counter()
-        path, state = self._watched.path, self._state
+        path, state = self._path, self._state
         try:
             text = path.read_bytes().decode("utf-8")
         except FileNotFoundError:
@@ -271,7 +260,7 @@ class Watch:
         except MbcdmError as error:
             await self._refused(str(error))
             return
-        if loaded.drive.name != self._watched.name:
+        if loaded.drive.name != self._name:
             await self._refused(f"{path}: name: changed to {loaded.drive.name}; end this and start it again for it")
             return
         self._loaded, self._checks = loaded, report.results
@@ -310,7 +299,7 @@ class Watch:
         self._state.stage = "built" if drawn.whole else "page"
         self.server.tell()
         if drawn.whole:
-            self._say(f"  built {self._watched.folder} ({self._since()})")
+            self._say(f"  built {self._folder} ({self._since()})")
             return
         written = f"{len(drawn.written)} parts" if len(drawn.written) > 5 else ", ".join(drawn.written) or "no part"
         self._say(f"  page: {written} drawn ({self._since()})")
@@ -319,11 +308,10 @@ class Watch:
     async def _whole_build(self, number: int) -> None:
         """`mbcdm build` in a process group of its own, so that all of it ends when a newer save comes."""
         await asyncio.sleep(_BUILD_AFTER_S)
-        watched = self._watched
-        arguments = [sys.executable, "-m", "mbcdm_cad", "build", str(watched.path), "--out", str(watched.out)]
+        arguments = [sys.executable, "-m", "mbcdm_cad", "build", str(self._path), "--out", str(self._out)]
         process = await asyncio.create_subprocess_exec(
             *arguments,
-            *(() if watched.use_cache else ("--no-cache",)),
+            *(() if self._use_cache else ("--no-cache",)),
             stdout=asyncio.subprocess.DEVNULL,
             stderr=asyncio.subprocess.PIPE,
             start_new_session=True,
@@ -338,7 +326,7 @@ class Watch:
             await process.wait()
             raise
         if process.returncode == 0 and self._loaded is not None:
-            self._worker.send(Job(number, watched.path, self._loaded.text, self._checks, built=watched.folder))
+            self._worker.send(Job(number, self._path, self._loaded.text, self._checks, built=self._folder))
             return
         lines = [line for line in errors.decode().splitlines() if not line.startswith("making ")]
         self._state.stage, self._state.message = "failing", "\n".join(lines)
@@ -358,7 +346,7 @@ class Watch:
 
 def follow(path: Path, *, out: Path, port: int, use_cache: bool) -> None:
     """Follow a design file until Ctrl-C or SIGTERM; what was started always ends with this process."""
-    watch = Watch(Watched(path, out, load_design(path).drive.name, use_cache), lambda text: print(text, flush=True))
+    watch = Watch(path, out, load_design(path).drive.name, use_cache, lambda text: print(text, flush=True))
 
     async def until_told() -> None:
         task = asyncio.ensure_future(watch.run(port))

@@ -8,7 +8,6 @@ from dataclasses import asdict, dataclass
 from importlib.resources import files
 from typing import Any
 
-import jinja2
 import numpy as np
 import yaml
 from scipy.optimize import brentq
@@ -24,6 +23,7 @@ from mbcdm_cad.model.capability import MOTOR, balanced_preload_N, input_ratings_
 from mbcdm_cad.model.profiles import simulate_profiles
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.stiffness import drum_backlash
+from mbcdm_cad.report.page.template import page_environment
 from mbcdm_cad.report.table import rendered
 
 # Plausible relative deviation of preload, modulus and friction from the declared values (estimates).
@@ -319,11 +319,6 @@ def shown(figure: Judged, value: float | None) -> str:
 
 def published_page(result: PublishedResult, design: str) -> bytes:
     """Published figures compared with the model as one HTML page, without pictures or other files."""
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("mbcdm_cad.paper", "."), undefined=jinja2.StrictUndefined, autoescape=True
-    )
-    environment.globals["shown"] = shown
-    page = environment.get_template("published.html.j2").render(
-        source=result.source, design=design, figures=result.figures, together=result.together
-    )
-    return page.encode()
+    template = page_environment(("mbcdm_cad.paper", ".")).get_template("published.html.j2")
+    told = {"source": result.source, "figures": result.figures, "together": result.together}
+    return template.render(design=design, shown=shown, **told).encode()

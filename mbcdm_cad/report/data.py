@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import jinja2
+import markupsafe
 import numpy as np
 from numpy.typing import NDArray
 
@@ -408,17 +409,24 @@ def _figure(value: Any) -> str:
 
 def report_markdown(data: dict[str, Any], paths_template: str) -> str:
     """The report in words and tables; ``paths_template`` is the layout's for its cable paths."""
+
+    def in_markdown(value: Any) -> Any:  # reasons and sources of users become no column, no link and no HTML
+        if not isinstance(value, str) or isinstance(value, markupsafe.Markup):
+            return value
+        return " ".join(value.splitlines()).replace("|", "\\|").replace("<", "&lt;").replace("](", "]\\(")
+
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("mbcdm_cad.report", "."),
         undefined=jinja2.StrictUndefined,
         keep_trailing_newline=True,
-        autoescape=False,  # no HTML escapes in Markdown; all names in it are plain slugs
+        autoescape=False,  # these are for HTML
+        finalize=in_markdown,
     )
     environment.filters["figure"] = _figure
     environment.filters["figures"] = _figure
     environment.filters["flow"] = flow
     environment.filters["speed"] = speed_shown
-    paths = environment.from_string(paths_template).render(r=data)
+    paths = markupsafe.Markup(environment.from_string(paths_template).render(r=data))
     moving = data["inertia_moving_g_mm2"]
     passed = {
         name.removesuffix(_AT_DRUM): value

@@ -12,6 +12,7 @@ import pytest
 
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.live import watch
 from mbcdm_cad.live.preview import Previewer
 from mbcdm_cad.live.watch import HOST, Server, WatchState
 from mbcdm_cad.storage.cache import Cache
@@ -80,6 +81,8 @@ def test_only_the_address_with_its_token_and_this_host_is_answered(folder: Path)
         ("parts/..%2f..%2fsecret.txt", 404),
         ("link", 404),
         ("/etc/passwd", 404),
+        ("a%00b", 404),
+        ("a" * 5000, 404),
     ],
 )
 def test_files_come_from_the_output_alone(folder: Path, place: str, status: int) -> None:
@@ -105,6 +108,31 @@ def test_an_open_page_hears_of_every_change_and_of_the_end(folder: Path) -> None
             assert await asyncio.wait_for(answer.content.read(), 5.0) == b"\n"
 
     served(folder, ask)
+
+
+def test_pages_that_are_closed_or_do_not_read_end_and_cost_no_memory(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(watch, "_SLOW_S", 0.3)
+
+    async def ask(server: Server, session: aiohttp.ClientSession) -> None:
+        where, token = server.address.split("/")[2:4]
+        opened = [await asyncio.open_connection(*where.split(":")) for _ in range(40)]
+        opened[0][1].write(b"GET /half")
+        for _, writer in opened[1:]:
+            writer.write(f"GET /{token}/events HTTP/1.1\r\nHost: {where}\r\n\r\n".encode())
+        opened[1][1].transport.abort()
+        server.state.message = "x" * 2_000_000
+        for _ in range(20):
+            server.tell()
+            await asyncio.sleep(0.05)
+        answers = [await asyncio.wait_for(reader.read(), 5.0) for reader, _ in [opened[0], *opened[2:]]]
+        assert answers[0] == b"" and sum(b"503" in answer[:40] for answer in answers) >= 6
+        async with session.get(server.address) as answer:
+            assert answer.status == 200
+
+    served(folder, ask)
+    assert not caplog.records, "a page that goes is no fault of the server"
 
 
 def test_a_taken_port_is_told_in_one_sentence(folder: Path) -> None:
