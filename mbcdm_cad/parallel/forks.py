@@ -5,8 +5,9 @@ The results, and their order, are the same on any number of workers; a worker th
 
 import os
 from collections.abc import Callable, Generator, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
-from types import FrameType, TracebackType
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
+from itertools import islice
+from types import FrameType
 from typing import Any, Protocol, Self, TypeVar
 
 from mbcdm_cad.errors import MbcdmError
@@ -16,8 +17,6 @@ Result = TypeVar("Result")
 # Interval, s, at which a caller that waits for forked work may stop it.
 _LOOK_S = 0.02
 
-# Work of the forked processes: inherited with the memory, so that no kernel shape has to be pickled.
-_work: tuple[Callable[[Any], Any], Sequence[Any]] | None = None
 _allowed = False
 
 
@@ -38,7 +37,7 @@ def fork_map(function: Callable[[Argument], Result], arguments: Sequence[Argumen
     that has not called :func:`allow_processes`, or a system that cannot fork, does the work in this process. Not to be
     called from within ``function``.
     """
-    with forked(function, arguments, min(jobs, len(arguments))) as results:
+    with forked(function, arguments, jobs) as results:
         return results()
 
 
@@ -52,37 +51,19 @@ def forked(
     called regularly and may raise an exception to stop. If nothing is forked (also if ``jobs`` is one), the work is
     done when ``results`` is called.
     """
-    global _work
-    if jobs <= 1 or not arguments or not may_fork():
-        done: list[Result] = []
 
-        def worked(look: Callable[[], None] = _go_on, first: int | None = None) -> list[Result]:
-            for argument in arguments[len(done) : first]:
-                look()
-                done.append(function(argument))
+    def work(index: int) -> Result:
+        return function(arguments[index])
+
+    with LocalCrew(work, min(jobs, len(arguments))) as workers:
+        coming, done = workers.results(range(len(arguments))), list[Result]()
+
+        def results(look: Callable[[], None] = _go_on, first: int | None = None) -> list[Result]:
+            workers.look = look
+            done.extend(islice(coming, max(0, len(arguments[:first]) - len(done))))
             return done[:first]
 
-        yield worked
-        return
-    import multiprocessing
-
-    assert _work is None, "fork_map within fork_map"
-    _work = (function, arguments)
-    try:
-        fork = multiprocessing.get_context("fork")
-        with _one_interrupt(_go_on), fork.Pool(min(jobs, len(arguments)), begin_worker) as pool:
-            pending = [pool.apply_async(_call, (index,)) for index in range(len(arguments))]
-
-            def results(look: Callable[[], None] = _go_on, first: int | None = None) -> list[Result]:
-                for one in pending[:first]:
-                    while not one.ready():
-                        look()
-                        one.wait(_LOOK_S)
-                return [one.get() for one in pending[:first]]
-
-            yield results
-    finally:
-        _work = None
+        yield results
 
 
 def may_fork() -> bool:
@@ -104,17 +85,11 @@ def _go_on() -> None:
     pass
 
 
-def _call(index: int) -> Any:
-    assert _work is not None
-    function, arguments = _work
-    return function(arguments[index])
-
-
 # Work that killed its process is given to another this often in all.
 ATTEMPTS = 3
 
 
-class Crew(Protocol):
+class Crew(AbstractContextManager["Crew"], Protocol):
     """Workers that keep calling one function, inside a ``with`` block."""
 
     def results(self, arguments: Sequence[Any]) -> Generator[Any, None, None]:
@@ -122,14 +97,6 @@ class Crew(Protocol):
 
         An exception of the function is raised here.
         """
-
-    def __enter__(self) -> Self:
-        """The workers themselves."""
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """End the work."""
 
 
 def crew(function: Callable[[Argument], Result], workers: int | None = None, scheduler: str | None = None) -> Crew:
@@ -149,38 +116,51 @@ def crew(function: Callable[[Argument], Result], workers: int | None = None, sch
 class LocalCrew:
     """Forked processes, which share the memory of this one as it is at their start.
 
-    As for :func:`mbcdm_cad.parallel.forks.fork_map`, one process, or one that has not called ``allow_processes``, does
-    the work itself.
+    As for :func:`fork_map`, one process, or one that has not called ``allow_processes``, does the work itself. ``look``
+    is called regularly while a result is waited for, and may raise an exception to stop.
     """
 
     def __init__(self, function: Callable[[Argument], Result], workers: int) -> None:
         self._function = function
         self._workers = workers if may_fork() else 1
+        self.look: Callable[[], None] = _go_on
         self._pool: Any = None
         self._interrupts = ExitStack()
 
     def results(self, arguments: Sequence[Any]) -> Generator[Any, None, None]:
-        """As of :class:`Crew`."""
-        if self._workers <= 1:
-            yield from map(self._function, arguments)
-            return
+        """As of :class:`Crew`; other processes begin with this call."""
+        from concurrent.futures import wait
         from concurrent.futures.process import BrokenProcessPool
 
         waiting: dict[int, Any] = {}
-        for k in range(len(arguments)):
-            for attempt in range(ATTEMPTS):
+
+        def submit(first: int) -> None:
+            for k in range(first, len(arguments)):
+                if k not in waiting:
+                    waiting[k] = self._started().submit(_worker_call, arguments[k])
+
+        def worked(k: int) -> Any:
+            for _ in range(ATTEMPTS):
                 try:
-                    for later in range(k, len(arguments)):
-                        if later not in waiting:
-                            waiting[later] = self._started().submit(_worker_call, arguments[later])
-                    found = waiting.pop(k).result()
-                    break
+                    submit(k)
+                    while not waiting[k].done():
+                        self.look()
+                        wait([waiting[k]], _LOOK_S)
+                    return waiting.pop(k).result()
                 except BrokenProcessPool:
                     self.close()
                     waiting.clear()
-                    if attempt + 1 == ATTEMPTS:
-                        raise killed_again(ATTEMPTS) from None
-            yield found
+            why = f"a worker process was killed {ATTEMPTS} times at the same work, perhaps for want of memory"
+            raise MbcdmError(f"{why}; take fewer of them")
+
+        def own(k: int) -> Any:
+            self.look()
+            return self._function(arguments[k])
+
+        if self._workers > 1:
+            with suppress(BrokenProcessPool):  # of a worker that dies at once we hear where its result is wanted
+                submit(0)
+        return (one for one in map(worked if self._workers > 1 else own, range(len(arguments))))
 
     def _started(self) -> Any:
         """The pool of processes, begun if there is none."""
@@ -223,13 +203,6 @@ class LocalCrew:
         """End the processes."""
         self.close()
         self._interrupts.close()
-
-
-def killed_again(attempts: int) -> MbcdmError:
-    """The error for work that has killed its worker ``attempts`` times."""
-    return MbcdmError(
-        f"a worker process was killed {attempts} times at the same work, perhaps for want of memory; take fewer workers"
-    )
 
 
 @contextmanager

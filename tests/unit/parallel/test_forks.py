@@ -68,6 +68,23 @@ def test_an_error_comes_through(jobs: int) -> None:
     assert fork_map(abs, [-1, 2], jobs) == [1, 2]
 
 
+@pytest.mark.parametrize("deaths", [1, 3])
+def test_a_worker_that_is_killed_is_replaced_three_times(deaths: int, tmp_path: Path) -> None:
+    """As the system does for want of memory; the caller waited for ever."""
+
+    def work(k: int) -> int:
+        if k == 1 and len(died := list(tmp_path.iterdir())) < deaths:
+            (tmp_path / str(len(died))).touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        return k
+
+    if deaths == 1:
+        assert fork_map(work, range(4), 2) == [0, 1, 2, 3]
+    else:
+        with pytest.raises(MbcdmError, match="killed 3 times at the same work, perhaps for want of memory"):
+            fork_map(work, range(4), 2)
+
+
 def test_interrupted_workers_say_nothing() -> None:
     """Ctrl-C reaches them too; what it means is for the main process to say."""
     program = (
