@@ -77,16 +77,16 @@ def build(
     posed, centred = layout.bill(angle_deg), layout.bill()
     poses = tuple(sorted({*travel_poses(drive.half_travel_deg, POSES), *layout.passing_deg}))
     # Imported here, so that a build that has nothing to do starts fast.
-    from mbcdm_cad.report.data import DesignFigures, Tested, checks_data, design_figures, report_data
+    from mbcdm_cad.report import data as reported
 
-    figures: DesignFigures | None = None
+    figures: reported.DesignFigures | None = None
 
     def prepared() -> None:
         from mbcdm_cad.workshop.separation import prepare
 
         nonlocal figures
         prepare()
-        figures = design_figures(layout, centred)
+        figures = reported.design_figures(layout, centred)
 
     try:
         parts = made_parts(store, posed, drive.export.mesh_tolerance_mm, processes, prepared)
@@ -97,8 +97,8 @@ def build(
             why = f"the design was drawn although checks fail ({names}): their messages name the changes needed"
         raise GeometryError(f"{error}; {why}") from error
 
-    tested = Tested(clashes, poses, frame)
-    data = report_data(
+    tested = reported.Tested(clashes, poses, frame)
+    data = reported.report_data(
         layout, centred, parts, tested, drum_angle_deg=angle_deg, design_sha256=loaded.sha256, figures=figures
     )
     checks = (
@@ -111,10 +111,23 @@ def build(
     failing = failed(checks)
     if failing and not force:
         return replace(_outcome(loaded, None, checks, data, store.made), cache_problem=cache.problem)
-    data |= checks_data(checks) | fields_data(loaded)
+    data |= reported.checks_data(checks) | fields_data(loaded)
     manifest = folders.Manifest(loaded.sha256, inputs, forced=bool(failing), failed_checks=tuple(c.id for c in failing))
     files = exported_parts(store, posed, parts, drive, processes)
-    _write(target, loaded, manifest, posed.items, parts, files, store, data)
+    note = f"FORCED, fails {', '.join(manifest.failed_checks)}" if failing else ""
+    assembly = store.assembly(posed.items, parts, drive.name, note)
+    # An old page would show other figures than the new report; `mbcdm page` makes a new one.
+    with folders.output_folder(target, manifest, design=loaded.path, without=PAGE) as folder:
+        for part, made in files.items():
+            step, stl = made.files.step, made.files.stl
+            if note:
+                step, stl = with_description(step.decode(), note).encode(), with_note(stl, part, note)
+            folder.write(f"parts/{part}.step", step)
+            folder.write(f"parts/{part}.stl", stl)
+        folder.write(f"{drive.name}.step", assembly["step"])
+        folder.write(f"{drive.name}.glb", assembly["glb"])
+        folder.write("report.json", json.dumps(data, indent=1, sort_keys=True, allow_nan=False) + "\n")
+        folder.write("report.md", reported.report_markdown(data, layout.paths_template()))
     return replace(_outcome(loaded, target, checks, data, store.made), cache_problem=cache.problem)
 
 
@@ -145,37 +158,6 @@ def _outcome(
 ) -> BuildReport:
     name = loaded.drive.name
     return BuildReport(name, folder, CheckReport(name, loaded.sha256, tuple(checks)), data, tuple(made))
-
-
-def _write(
-    target: Path,
-    loaded: LoadedDesign,
-    manifest: folders.Manifest,
-    items: tuple[Item, ...],
-    parts: dict[str, StoredPart],
-    files: dict[str, StoredPart],
-    store: Store,
-    data: dict[str, Any],
-) -> None:
-    from mbcdm_cad.report.data import report_markdown  # loads its templates, only needed if something is written
-    from mbcdm_cad.report.page import PAGE
-
-    name = loaded.drive.name
-    note = f"FORCED, fails {', '.join(manifest.failed_checks)}" if manifest.forced else ""
-    assembly = store.assembly(items, parts, name, note)
-    with folders.output_folder(target, manifest, design=loaded.path) as folder:
-        for part, made in files.items():
-            step, stl = made.files.step, made.files.stl
-            if note:
-                step, stl = with_description(step.decode(), note).encode(), with_note(stl, part, note)
-            folder.write(f"parts/{part}.step", step)
-            folder.write(f"parts/{part}.stl", stl)
-        folder.write(f"{name}.step", assembly["step"])
-        folder.write(f"{name}.glb", assembly["glb"])
-        folder.write("report.json", json.dumps(data, indent=1, sort_keys=True, allow_nan=False) + "\n")
-        folder.write("report.md", report_markdown(data, layout_of(loaded.drive).paths_template()))
-    # An old page would show other figures than the new report, so it is removed; `mbcdm page` makes a new one.
-    (target / PAGE).unlink(missing_ok=True)
 
 
 @dataclass(frozen=True)

@@ -43,16 +43,8 @@ from mbcdm_cad.report.table import TextReport
 from mbcdm_cad.rig.experiment import DynamicExperiment, Experiment, read_bench, read_experiment
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.solving.question import Question, question_of
+from mbcdm_cad.storage import folders
 from mbcdm_cad.storage.cache import Cache, code_hash, content_key
-from mbcdm_cad.storage.folders import (
-    Manifest,
-    output_folder,
-    refuse_missing_folder,
-    refuse_other_origin,
-    versions,
-    write_from,
-    write_whole,
-)
 from mbcdm_cad.workshop.drawings import drawings_folder, drawings_of
 from mbcdm_cad.workshop.interference import bodies, is_cable
 from mbcdm_cad.workshop.store import Progress, drawn
@@ -76,7 +68,7 @@ class Written(TextReport):
 
 
 def _written(loaded: LoadedDesign, folder: Path, files: Mapping[str, bytes], words: str) -> Written:
-    write_from(loaded.path, folder, files)
+    folders.write_from(loaded.path, folder, files)
     return Written(folder, tuple(folder / name for name in files), f"{folder}: {words}")
 
 
@@ -92,7 +84,7 @@ def preload_of(loaded: LoadedDesign, logs: Mapping[str, Path], out: Path | None)
     if out is None or not made:
         return report
     folder = out / f"{loaded.drive.name}-preload"
-    refuse_other_origin(folder, loaded.path)
+    folders.refuse_other_origin(folder, loaded.path)
     return replace(report, folder=_written(loaded, folder, made, "").folder)
 
 
@@ -129,7 +121,7 @@ def write_drawings(
     Raises ``MbcdmError`` for a part that the design does not make.
     """
     folder = drawings_folder(out, loaded.drive.name)
-    refuse_other_origin(folder, loaded.path)
+    folders.refuse_other_origin(folder, loaded.path)
     files = drawings_of(loaded.drive, cache, part=part, jobs=jobs, progress=progress)
     sheets = sum(name.endswith(".pdf") for name in files)
     return _written(
@@ -147,7 +139,7 @@ def write_prints(
     from mbcdm_cad.workshop.prints import prints_of
 
     folder = out / f"{loaded.drive.name}-prints"
-    refuse_other_origin(folder, loaded.path)
+    folders.refuse_other_origin(folder, loaded.path)
     files = prints_of(loaded.drive, cache, progress, every_made_part=every_made_part)
     wider = loaded.drive.printing.hole_allowance_mm
     holes = f", round holes of printed materials {wider:g} mm wider than drawn" if wider else ""
@@ -159,7 +151,7 @@ def write_pictures(loaded: LoadedDesign, out: Path, cache: Cache, progress: Prog
     from mbcdm_cad.workshop.pictures import pictures_of
 
     folder = out / f"{loaded.drive.name}-pictures"
-    refuse_other_origin(folder, loaded.path)
+    folders.refuse_other_origin(folder, loaded.path)
     files = pictures_of(loaded.drive, cache, progress)
     return _written(loaded, folder, files, ", ".join(files))
 
@@ -169,12 +161,12 @@ def write_picture(
 ) -> Written:
     """Draw the assembly into one PNG, without a display. Raises ``InputError`` for a file that cannot be a PNG."""
     _refuse_other_kind(png, ".png", "pictures are PNG files")
-    refuse_missing_folder(png)
+    folders.refuse_missing_folder(png)
     from mbcdm_cad.workshop.export.picture import picture_png
 
     _refuse_other_view(view)
     items, parts = drawn(loaded.drive, angle_deg, cache, progress)
-    write_whole({png: picture_png(items, {name: part.files.mesh for name, part in parts.items()}, view)})
+    folders.write_whole({png: picture_png(items, {name: part.files.mesh for name, part in parts.items()}, view)})
     return Written(png.parent, (png,), f"{png}: {view} view, drum at {angle_deg:g} deg")
 
 
@@ -198,14 +190,14 @@ def write_moving_picture(loaded: LoadedDesign, gif: Path, cache: Cache, *, view:
         drive.half_travel_deg,
         view=view,
     )
-    write_whole({gif: data})
+    folders.write_whole({gif: data})
     words = f"{gif}: {view} view, drum to +-{drive.half_travel_deg:g} deg, {len(data) / 1e6:.2f} MB"
     return Written(gif.parent, (gif,), words)
 
 
 def _refuse_other_kind(path: Path, suffix: str, what: str) -> None:
     if path.suffix.lower() != suffix:
-        remedy = f"name it {path.with_suffix(suffix).name}"
+        remedy = f"name it {path.stem}{suffix}"
         raise InputError([Problem(str(path), 1, "", what, path.suffix, suffix, remedy)])
 
 
@@ -241,7 +233,7 @@ def write_robot(
     files = robot_files(replace(robot, note=missing), form, elastic=soft, options=options)
     target = out / f"{loaded.drive.name}-{form}"
     inputs = content_key("export", (loaded.sha256, form, elastic, options))
-    with output_folder(target, Manifest(loaded.sha256, inputs), design=loaded.path) as folder:
+    with folders.output_folder(target, folders.Manifest(loaded.sha256, inputs), design=loaded.path) as folder:
         for name, content in files.items():
             folder.write(name, content)
     mass = sum(link.mass for link in (robot.base, *robot.links))
@@ -264,7 +256,7 @@ def write_fmu(loaded: LoadedDesign, out: Path) -> Written:
     target = out / f"{loaded.drive.name}-fmu"
     path = target / f"{loaded.drive.name}.fmu"
     inputs = content_key("fmu", loaded.sha256)
-    with output_folder(target, Manifest(loaded.sha256, inputs), design=loaded.path) as folder:
+    with folders.output_folder(target, folders.Manifest(loaded.sha256, inputs), design=loaded.path) as folder:
         folder.write(path.name, content)
     library = f"library for {platform}" if platform else "no library: no C compiler 'cc' here; compile the sources"
     words = f"{path}: FMI 2.0 for co-simulation, {len(content) / 1e3:.0f} kB, {library}"
@@ -308,7 +300,7 @@ def write_sensitivity(
 
     target = out / f"{loaded.drive.name}-sensitivity"
     inputs = content_key("sensitivity", loaded.sha256)
-    with output_folder(target, Manifest(loaded.sha256, inputs), design=loaded.path) as folder:
+    with folders.output_folder(target, folders.Manifest(loaded.sha256, inputs), design=loaded.path) as folder:
         stacks = layout_of(loaded.drive).tolerance_stacks
         with crew(block_figures, workers, scheduler) as shared:
             summary = write_study(layout_of(loaded.drive), folder.path, model_tolerances(loaded.drive), stacks, shared)
@@ -327,8 +319,8 @@ def write_dependencies(loaded: LoadedDesign, svg: Path) -> Written:
     found = dependency_graph(fields_data(loaded)["fields"])
     if not found.nodes:
         raise MbcdmError(f"{loaded.path}: no graph, because {loaded.drive.configuration} has no sizing rules")
-    refuse_missing_folder(svg)
-    write_whole({svg: dependency_svg(found, f"{loaded.drive.name}: dependencies of all values").encode()})
+    folders.refuse_missing_folder(svg)
+    folders.write_whole({svg: dependency_svg(found, f"{loaded.drive.name}: dependencies of all values").encode()})
     return Written(svg.parent, (svg,), f"{svg}: {len(found.nodes)} fields, {len(found.lines)} lines")
 
 
@@ -371,6 +363,7 @@ def optimise(
     # Small systems of equations: threads of the linear algebra would only wait for each other.
     with threadpool_limits(1), sole_search(journal_path):
         # Before any file is sized, which may take long: a search that is refused is refused at once.
+        folders.refuse_other_origin(folder, path)
         with Journal(journal_path, request, resume=effort.resume) as journal:
             questions = [question_of(text, path) for text, path in files]
             refuse_unknown([*(aim.figure for aim in wishes.aims), *(keep.figure for keep in wishes.keeps)], questions)
@@ -391,14 +384,14 @@ def _request(files: Sequence[tuple[str, Path]], wishes: Wishes) -> dict[str, Any
         "free": [[freed.field, list(freed.values), freed.low, freed.high] for freed in wishes.free],
         "only_free": wishes.only_free,
         "package": code_hash(),
-        "versions": versions() | {"pymoo": metadata.version("pymoo")},
+        "versions": folders.versions() | {"pymoo": metadata.version("pymoo")},
     }
 
 
 def _write(found: Optimum, questions: Sequence[Question], request: dict[str, Any]) -> None:
     key = content_key("optimum", request)
     try:
-        with output_folder(found.folder, Manifest(key, key), design=questions[0].path) as folder:
+        with folders.output_folder(found.folder, folders.Manifest(key, key), design=questions[0].path) as folder:
             folder.write("optimum.json", json.dumps(found.to_dict(), indent=1, allow_nan=False) + "\n")
             folder.write("front.csv", _csv(found))
             folder.write("optimum.html", optimum_page(found))

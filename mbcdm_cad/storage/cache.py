@@ -6,6 +6,7 @@ not use results of the old one: all of the code, since what a result follows fro
 
 import hashlib
 import json
+import math
 import os
 import re
 import sys
@@ -17,7 +18,7 @@ from functools import cache
 from pathlib import Path, PurePath
 from typing import Any
 
-from mbcdm_cad.storage.folders import is_aside, remove_left, versions, write_whole
+from mbcdm_cad.storage.folders import asides, is_left, versions, write_whole
 
 _PACKAGE = __name__.partition(".")[0]
 _ROOT = Path(__file__).parents[1]
@@ -56,6 +57,20 @@ def _plain(value: Any) -> Any:
     if hasattr(value, "tolist"):  # an array or a number of numpy, without importing it
         return _plain(value.tolist())
     raise TypeError(f"{type(value).__name__} is not plain data and cannot be part of a key: {value!r:.80}")
+
+
+def rounded(value: Any) -> Any:
+    """Plain data with figures to nine significant digits; null for those that are not finite.
+
+    Kernels of the linear algebra, which the processor chooses, differ by some 1e-12 (``OPENBLAS_CORETYPE``).
+    """
+    if hasattr(value, "tolist"):  # of numpy
+        value = value.tolist()
+    if isinstance(value, float):
+        return float(f"{value:.9g}") if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {key: rounded(item) for key, item in value.items()}
+    return [rounded(item) for item in value] if isinstance(value, list | tuple) else value
 
 
 @cache
@@ -161,10 +176,10 @@ class Cache:
             for path in () if self._folder is None else self._folder.glob("*/*"):
                 with suppress(OSError):
                     status = path.stat()
-                    if is_aside(path):
-                        remove_left(path)
-                    elif _KEY.fullmatch(path.name):
+                    if _KEY.fullmatch(path.name):
                         found.append((status.st_mtime, status.st_size, path))
+                    elif path.match(asides()) and is_left(path):
+                        path.unlink()
         return found
 
     def _read(self, path: Path) -> dict[str, bytes] | None:

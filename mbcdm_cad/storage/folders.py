@@ -10,15 +10,15 @@ import hashlib
 import json
 import os
 import platform
-import re
 import secrets
 import shutil
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from dataclasses import asdict, dataclass, field, replace
 from functools import cache
 from pathlib import Path, PurePosixPath
+from typing import Any
 
 import filelock
 
@@ -38,28 +38,21 @@ def _machine() -> str:
     return hashlib.sha256(platform.node().encode()).hexdigest()[:4]
 
 
-def is_aside(path: Path, target: Path | None = None) -> bool:
-    """Whether ``path`` has a name that :func:`aside` gives, for ``target`` if that is given."""
-    name = ".*" if target is None else re.escape(target.name)
-    return re.fullmatch(rf"\.{name}\.new-[0-9a-f]{{16}}", path.name) is not None
+def asides(name: str = "*") -> str:
+    """Pattern of the names that :func:`aside` gives for files whose names have the pattern ``name``."""
+    return f".{name}.new-" + "[0-9a-f]" * 16
 
 
-def remove_left(path: Path) -> None:
-    """Remove an aside of a dead process; on another machine, or where that cannot be told, one older than an hour."""
-    with suppress(OSError):
-        if abs(time.time() - path.stat().st_mtime) < _STALE_S and not (
-            os.name == "posix" and path.name[-16:-12] == _machine() and _is_dead(int(path.name[-12:-4], 16))
-        ):
-            return
-        path.unlink()
-
-
-def _is_dead(process: int) -> bool:
+def is_left(path: Path) -> bool:
+    """Whether an aside is of a dead process; on another machine, or where that cannot be told, older than an hour."""
     try:
-        os.kill(process, 0)
+        if os.name == "posix" and path.name[-16:-12] == _machine():
+            os.kill(int(path.name[-12:-4], 16), 0)
+        return abs(time.time() - path.stat().st_mtime) > _STALE_S
     except ProcessLookupError:
         return True
-    return False
+    except OSError:  # gone meanwhile, or of a living process of another user
+        return False
 
 
 def refuse_missing_folder(path: Path) -> None:
@@ -70,11 +63,12 @@ def refuse_missing_folder(path: Path) -> None:
 
 
 def write_whole(files: Mapping[Path, bytes], *, durable: bool = True) -> None:
-    """Write all files; none is replaced before all are on the disk. Raises OSError that names the file concerned.
+    """Write all files or none. Raises OSError that names the file concerned.
 
     Missing folders are made, and what dead processes have left of these files is removed. With ``durable`` the content
     is on the disk before a file gets its name, so that even after a crash of the machine the old or the new file exists
-    completely; without, this holds only for a crash of the program.
+    completely; without, this holds only for a crash of the program. Of several files that are ``durable``, those that a
+    process has replaced before it died become the old ones again with the next call for one of their folders.
     """
     written: dict[Path, Path] = {}
     try:
@@ -84,8 +78,9 @@ def write_whole(files: Mapping[Path, bytes], *, durable: bool = True) -> None:
                 target.parent.mkdir(parents=True, exist_ok=True)
                 if target.is_dir():
                     raise IsADirectoryError(21, "is a folder", str(target))
-                for path in target.parent.glob(glob.escape(f".{target.name}.new-") + "*"):
-                    remove_left(path)
+                for record in filter(is_left, target.parent.glob(asides(_SET))):
+                    _undo(record)
+                _remove(*filter(is_left, target.parent.glob(asides(glob.escape(target.name)))))
                 with open(new, "xb") as file:
                     written[new] = target
                     file.write(content)
@@ -94,11 +89,71 @@ def write_whole(files: Mapping[Path, bytes], *, durable: bool = True) -> None:
                         os.fsync(file.fileno())
             except OSError as error:
                 raise OSError(error.errno, error.strerror, str(target)) from error
-        for new, target in written.items():
-            new.replace(target)
+        with _all_or_none(files) if durable and len(files) > 1 else nullcontext():
+            for new, target in written.items():
+                new.replace(target)
     finally:
-        for new in written:
-            new.unlink(missing_ok=True)
+        _remove(*written)
+
+
+_SET = "mbcdm-set"
+
+
+@contextmanager
+def _all_or_none(targets: Collection[Path]) -> Iterator[None]:
+    """Replace files within the block: all, or none where it fails, or, by :func:`_undo`, where the process dies.
+
+    A record stands in each of their folders meanwhile: only while all of them do is there anything to undo.
+    """
+    whole = [target.absolute() for target in targets]
+    records = [aside(folder / _SET) for folder in {target.parent for target in whole}]
+    before = {target: aside(target) if os.path.lexists(target) else None for target in whole}
+    kept = [path for path in before.values() if path]
+    try:
+        for target, path in before.items():
+            if path:
+                _link(target, path)
+        for record in records:
+            record.write_text(json.dumps([records, list(before.items())], default=str), "utf-8")
+        try:
+            yield
+            records[0].unlink()  # from here on there is nothing to undo
+        except BaseException:
+            _undo(records[0])
+            raise
+    finally:
+        _remove(*records, *kept)
+
+
+def _undo(record: Path) -> None:
+    """Put back what was there before a set of files that was not finished, but for what was changed since."""
+    records, before = [record], list[Any]()
+    with suppress(ValueError):  # where it is not whole, nothing was replaced yet
+        records, before = json.loads(record.read_text("utf-8"))
+    if all(map(os.path.exists, records)):
+        begun = record.stat().st_mtime
+        for target, kept in before:
+            if os.path.lexists(target) and os.lstat(target).st_mtime > begun:
+                continue
+            if kept is None:
+                Path(target).unlink(missing_ok=True)
+            elif os.path.lexists(kept):
+                os.replace(kept, target)
+    _remove(*records, *(kept for _, kept in before if kept))
+
+
+def _remove(*paths: str | Path) -> None:
+    """Remove what is there and may be removed; what stays goes with a later run."""
+    for path in paths:
+        with suppress(OSError):
+            os.unlink(path)
+
+
+def _link(path: Path, place: Path) -> None:
+    try:
+        os.link(path, place, follow_symlinks=False)
+    except OSError:  # a file system without hard links
+        shutil.copy2(path, place, follow_symlinks=False)
 
 
 MANIFEST_NAME = "manifest.json"
@@ -217,11 +272,16 @@ class OutputFolder:
 
 @contextmanager
 def output_folder(
-    target: Path, manifest: Manifest, timeout_s: float = _LOCK_TIMEOUT_S, *, design: Path | None = None
+    target: Path,
+    manifest: Manifest,
+    timeout_s: float = _LOCK_TIMEOUT_S,
+    *,
+    design: Path | None = None,
+    without: str = "",
 ) -> Iterator[OutputFolder]:
     """As :func:`whole_folder`, with a manifest by which a later build knows its own files.
 
-    ``design``: the design file that it is made from, which the folder records.
+    ``design``: the design file that it is made from, which the folder records. ``without``: a file that goes too.
 
     Files in ``target`` that its manifest does not list belong to the user and are kept. ``files`` of ``manifest`` is
     filled in here. Raises ``OutputError`` also if this program did not make ``target``, or made it from another design
@@ -230,15 +290,12 @@ def output_folder(
     target = target.resolve()
 
     def refuse(folder: Path) -> None:
-        if folder.exists() and not folder.is_dir():
-            raise OutputError(f"{folder}: there is a file of that name; choose another folder with --out")
+        refuse_other_origin(folder, design)
         if folder.is_dir() and any(folder.iterdir()) and read_manifest(folder) is None:
             raise OutputError(
                 f"{folder}: not empty, and not made by this program (no {MANIFEST_NAME} of its own); "
                 "empty it or choose another folder with --out"
             )
-        if design is not None:
-            refuse_other_origin(folder, design)
 
     with whole_folder(target, refuse, timeout_s) as staging:
         yield OutputFolder(staging, target)
@@ -249,7 +306,7 @@ def output_folder(
             (staging / MANIFEST_NAME).write_text(replace(manifest, files=files).text(), "utf-8")
             before = read_manifest(target)
             if before is not None:
-                _bring_along(target, staging, {*before.files, MANIFEST_NAME, ORIGIN_NAME})
+                _bring_along(target, staging, {*before.files, MANIFEST_NAME, ORIGIN_NAME, without})
             if design is not None and design.is_file():
                 (staging / ORIGIN_NAME).write_text(origin_text(target, design), "utf-8")
         except OSError as error:
@@ -321,9 +378,8 @@ def _staging(target: Path, refuse: Callable[[Path], None]) -> Iterator[Path]:
         try:
             recover(target, old)
             # What builds that died have left: under the lock no living build's folder is among them.
-            for path in target.parent.iterdir():
-                if is_aside(path, target):
-                    shutil.rmtree(path, ignore_errors=True)
+            for path in target.parent.glob(asides(glob.escape(target.name))):
+                shutil.rmtree(path, ignore_errors=True)
             refuse(target)
             staging.mkdir()
         except OSError as error:
@@ -356,10 +412,7 @@ def _bring_along(target: Path, staging: Path, made: Collection[str]) -> None:
                 "move it away or choose another folder with --out"
             )
         place.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            os.link(path, place, follow_symlinks=False)
-        except OSError:  # a file system without hard links
-            shutil.copy2(path, place, follow_symlinks=False)
+        _link(path, place)
 
 
 def _files_below(folder: Path) -> Iterator[Path]:
@@ -464,14 +517,17 @@ def origin_text(target: Path, design: Path) -> str:
         return source.as_posix() + "\n"
 
 
-def refuse_other_origin(target: Path, design: Path) -> None:
-    """Raise ``OutputError`` if ``target`` holds the output of another design file that is still there.
+def refuse_other_origin(target: Path, design: Path | None) -> None:
+    """Raise ``OutputError`` if ``target`` holds the output of another design file that is still there, or is a file.
 
     Anything goes for a design without a file, and for a folder without a record.
     """
+    there = next(path for path in (target, *target.absolute().parents) if path.exists())
+    if not there.is_dir():
+        raise OutputError(f"{there}: there is a file of that name; choose another folder with --out")
     try:
         other = (target / (target / ORIGIN_NAME).read_text("utf-8").strip()).resolve()
-        if not design.is_file() or not other.is_file() or other.samefile(design):
+        if design is None or not design.is_file() or not other.is_file() or other.samefile(design):
             return
     except (OSError, ValueError, RuntimeError):  # no record, or one that names no path
         return
