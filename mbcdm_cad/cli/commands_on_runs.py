@@ -280,7 +280,7 @@ def measurement_init(data: Path, design: Path | None, ratio: float | None, out: 
     """
     if (design is None) == (ratio is None):
         raise click.UsageError("give a design file or --ratio, one of the two")
-    path = out or data.with_suffix(".yaml")
+    path = out or data.parent / f"{data.stem}.yaml"
     refuse_missing_folder(path)
     text = api.draft_measurement(data, None if design is None else load(design), ratio=ratio)
     if path.parent.resolve() != data.parent.resolve():

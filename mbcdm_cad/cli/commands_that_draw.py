@@ -5,7 +5,6 @@ Each calls a function of :mod:`mbcdm_cad.api` and prints its result.
 
 from __future__ import annotations
 
-import json
 import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from mbcdm_cad import api
+from mbcdm_cad.cli import group
 from mbcdm_cad.cli.group import ANGLE, DESIGN, FILE, JOBS, NO_CACHE, examples, load, mbcdm, out_folder, progress
 from mbcdm_cad.report.page import PAGE
 from mbcdm_cad.report.table import designs_shown
@@ -93,7 +93,7 @@ def compare(
     if page is not None:
         click.echo(f"{page}: {designs_shown(len(designs))} side by side, opens in any browser", err=True)
     if as_json:
-        click.echo(json.dumps(found.to_dict(), indent=1))
+        group.print_json(found.to_dict())
     else:
         click.echo(found.markdown() if markdown else found.text())
 

@@ -15,6 +15,7 @@ from typing import Any
 import click
 
 from mbcdm_cad import __version__, api
+from mbcdm_cad.storage.cache import rounded
 
 
 def screen_width() -> int | None:
@@ -26,7 +27,7 @@ def screen_width() -> int | None:
 
 def print_json(content: Any) -> None:
     """Print plain data as JSON."""
-    click.echo(json.dumps(content, indent=1, allow_nan=False))
+    click.echo(json.dumps(rounded(content), indent=1, allow_nan=False))
 
 
 def print_report(report: Any, as_json: bool) -> None:

@@ -8,14 +8,12 @@ from __future__ import annotations
 
 import datetime
 import json
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from pydantic import ValidationError
 
 from mbcdm_cad.design import yamltree
@@ -30,6 +28,7 @@ from mbcdm_cad.measurement.schema import MOTION
 from mbcdm_cad.measurement.vet import Vetted, vetted_runs, vetting_lines
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.report.table import TextReport, data_frame, preformatted
+from mbcdm_cad.storage.cache import rounded
 
 if TYPE_CHECKING:
     import pandas
@@ -77,7 +76,7 @@ class LoopReport(TextReport):
         """The content of the result file, ready for JSON: a number that is not finite becomes None."""
         content = {**self.result.to_json(), "design": self.design(), "runs": [_run_json(one) for one in self.runs]}
         content["new_fields"] = [name for name in content if name not in FIRST_FIELDS]
-        plain: dict[str, Any] = _finite(content)
+        plain: dict[str, Any] = rounded(content)
         return plain
 
     @property
@@ -179,17 +178,7 @@ def drive_of(loaded: LoadedDesign | None, files: Sequence[MeasurementFile]) -> D
 
 def json_bytes(content: dict[str, Any]) -> bytes:
     """JSON text; a number that is not finite becomes null."""
-    return (json.dumps(_finite(content), indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode()
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple | np.ndarray):
-        return [_finite(item) for item in value]
-    if isinstance(value, float | np.floating):
-        return float(value) if math.isfinite(value) else None
-    return value
+    return (json.dumps(rounded(content), indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode()
 
 
 def _run_json(one: Vetted) -> dict[str, Any]:

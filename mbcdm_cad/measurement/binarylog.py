@@ -133,9 +133,8 @@ class BinaryLog:
 
 def opened(path: Path) -> BinaryLog | None:
     """The columns of a binary log; None for a file of text. Raises InputError for one that cannot be read."""
-    if path.is_dir():
-        kind: Kind | None = ("a bag of ROS 2", _bag)
-    else:
+    kind: Kind | None = ("a bag of ROS 2", _bag) if path.is_dir() else None
+    if path.is_file():
         with open(path, "rb") as file:
             first = file.read(16)
         kind = next((kind for sign, kind in KINDS.items() if first.startswith(sign)), None)
@@ -151,8 +150,7 @@ def opened(path: Path) -> BinaryLog | None:
         raise wrong(path, 1, what, EXTRA) from None
     except Exception as error:  # each of the libraries has errors of its own for a damaged file
         what = f"cannot be read as {words}: {str(error) or type(error).__name__}"
-        remedy = "check the file, or export the data as CSV"
-        raise wrong(path, 1, what, remedy) from None
+        raise wrong(path, 1, what, "check the file, or export the data as CSV") from None
     if not series:
         remedy = "check the file: columns of figures, or messages with figures, are needed"
         raise wrong(path, 1, f"{words} without columns of figures", remedy)

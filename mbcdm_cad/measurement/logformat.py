@@ -351,6 +351,8 @@ def _first_lines(path: Path, comment: str, skip_rows: int) -> tuple[Lines, Lines
     """Comment lines before the first row, and the first rows, with their numbers."""
     comments: Lines = []
     rows: Lines = []
+    if path.exists() and not path.is_file():  # a pipe may never end
+        raise wrong(path, 1, "not a regular file", "give the path of the logger's file")
     with open(path, "rb") as file:
         number = 0
         while len(rows) < FIRST_ROWS + 1 and number < skip_rows + LONGEST_PREAMBLE:

@@ -27,6 +27,7 @@ from mbcdm_cad.report import analysis_report
 from mbcdm_cad.report.losses import losses_shown, stage_figures
 from mbcdm_cad.report.preload import preload_shown
 from mbcdm_cad.report.table import speed_shown
+from mbcdm_cad.storage.cache import rounded
 from mbcdm_cad.workshop.interference import bodies
 from mbcdm_cad.workshop.mass import MassProperties, combined, item_mass
 from mbcdm_cad.workshop.pairs import Clash
@@ -227,17 +228,6 @@ def _conventions(own: Conventions, threads: str) -> list[str]:
     ]
 
 
-def _rounded(value: Any, digits: int = 9) -> Any:
-    """The data with figures rounded to ten significant digits, so that rounding errors do not appear."""
-    if isinstance(value, float):
-        return float(f"{value:.{digits}g}") if np.isfinite(value) else None
-    if isinstance(value, dict):
-        return {k: _rounded(v, digits) for k, v in value.items()}
-    if isinstance(value, list | tuple):
-        return [_rounded(v, digits) for v in value]
-    return value
-
-
 def _frame(frame: FrameCompliance, layout: Layout) -> dict[str, Any]:
     drive = layout.drive
     return {
@@ -255,7 +245,7 @@ def _mass(m: MassProperties) -> dict[str, Any]:
 def checks_data(checks: Sequence[CheckResult]) -> dict[str, Any]:
     """The report's data of the checks; a report with failed checks exists only if the build was forced."""
     failed = [c.id for c in checks if c.status == "fail"]
-    plain = _rounded({"checks": [asdict(c) for c in checks], "failed_checks": failed, "forced": bool(failed)})
+    plain = rounded({"checks": [asdict(c) for c in checks], "failed_checks": failed, "forced": bool(failed)})
     assert isinstance(plain, dict)
     return plain
 
@@ -391,7 +381,7 @@ def report_data(
         },
         **figures.data,
     }
-    plain = _rounded(data)
+    plain = rounded(data)
     assert isinstance(plain, dict)
     return plain
 

@@ -20,6 +20,7 @@ from mbcdm_cad import api, cli
 from mbcdm_cad.cli.group import mbcdm
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.storage.cache import rounded
 from tests.support.reference import ROOT, Says
 from tests.unit.solving.test_solve import PINNED
 
@@ -162,7 +163,7 @@ def test_results_can_be_printed_shown_and_turned_into_data(design: mc.DriveDesig
 def test_check_and_analyse_say_what_the_commands_say(design: mc.DriveDesign, says: Says) -> None:
     for command, result in (("check", design.check()), ("analyse", design.analyse())):
         assert says([command, str(PARAMS)]).out == f"{result}\n"
-        assert json.loads(says([command, "--json", str(PARAMS)]).out) == json.loads(json.dumps(result.to_dict()))
+        assert json.loads(says([command, "--json", str(PARAMS)]).out) == rounded(result.to_dict())
 
 
 def test_with_changes_one_field_and_leaves_the_design_alone(design: mc.DriveDesign) -> None:
@@ -502,7 +503,7 @@ def test_what_a_command_writes_is_what_its_function_gives(folder: Path, said: Ca
     design = mc.load("drive.yaml")
     assert said("explain", "drive.yaml") == f"{design.explain()}\n"
     assert said("explain", "drive.yaml", "support.back_y_mm") == f"{design.explain('support.back_y_mm')}\n"
-    assert json.loads(said("explain", "drive.yaml", "--json")) == design.explain().to_dict()
+    assert json.loads(said("explain", "drive.yaml", "--json")) == rounded(design.explain().to_dict())
     said("explain", "drive.yaml", "--graph", "command.svg")
     assert design.explain_graph("function.svg").files == (Path("function.svg"),)
     assert Path("command.svg").read_text() == Path("function.svg").read_text()
@@ -531,7 +532,7 @@ def test_the_search_gives_the_same_design_and_patch(folder: Path, said: Callable
     assert said("solve", "pinned.yaml", "--apply", "solved.yaml") == f"{found}\nsolved.yaml written\n"
     found.save("saved.yaml")
     assert Path("saved.yaml").read_text() == Path("solved.yaml").read_text() == found.design_text
-    assert json.loads(said("solve", "pinned.yaml", "--json")) == json.loads(json.dumps(found.to_dict()))
+    assert json.loads(said("solve", "pinned.yaml", "--json")) == rounded(found.to_dict())
     assert mc.load("saved.yaml").check().passed and [one.field for one in found.changes] == ["drum.outer_face_y_mm"]
 
 
@@ -547,7 +548,7 @@ def test_runs_are_simulated_judged_and_planned_alike(folder: Path, said: Callabl
     outputs = ["--json", "result.json", "--apply", "built.yaml", "--report", "page", "--correction", "table"]
     printed = said("loop", "drive.yaml", str(measured), *outputs, "--next", "next.yaml")
     assert printed.startswith(f"{judged}\n")
-    assert json.loads(Path("result.json").read_text()) == json.loads(json.dumps(judged.to_dict()))
+    assert json.loads(Path("result.json").read_text()) == rounded(judged.to_dict())
     assert Path("built.yaml").read_text() == judged.as_built_text()
     assert (folder / "page" / "report.html").read_bytes() == judged.page()
     assert {path.name: path.read_bytes() for path in (folder / "table").iterdir()} == judged.correction_files()
@@ -609,7 +610,7 @@ def test_designs_of_one_name_are_compared_by_their_files(folder: Path, said: Cal
     found = mc.compare(["left.yaml", "right.yaml"])
     assert [design.name for design in found.designs] == ["left.yaml", "right.yaml"]
     assert said("compare", "left.yaml", "right.yaml") == f"{found}\n"
-    assert json.loads(said("compare", "left.yaml", "right.yaml", "--json")) == json.loads(json.dumps(found.to_dict()))
+    assert json.loads(said("compare", "left.yaml", "right.yaml", "--json")) == rounded(found.to_dict())
     assert found.designs[0].travel_deg == 80.0 and found.designs[1].travel_deg == 60.0
     mc.load("left.yaml").build()
     with pytest.raises(mc.MbcdmError, match="another design file with the same name"):
