@@ -125,7 +125,7 @@ def _connected(address: str) -> Any:
         why = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise MbcdmError(
             f"--scheduler {address}: no dask scheduler answers within {ANSWER_S:g} s ({why}); start one with: dask "
-            "scheduler"
+            "scheduler --host ADDRESS, which others reach and strangers do not"
         ) from error
 
 
