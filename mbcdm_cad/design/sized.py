@@ -31,6 +31,11 @@ def to_a_size(sizes: Sequence[float], value: float, factor: float) -> float:
     return min(sizes, key=lambda size: abs(log(size / (value * factor))))
 
 
+def nothing_instead(data: Mapping[str, Any]) -> dict[str, Any]:
+    """No fields to add in place of one that is taken out; a name, since it goes to the workers of a cluster."""
+    return {}
+
+
 @dataclass(frozen=True)
 class Freedom:
     """One field that follows from a rule, and the range in which a search may change it.
@@ -51,7 +56,7 @@ class Freedom:
     words: tuple[str, ...] = ()
     mends: tuple[tuple[str, int], ...] = ()
     only_named: bool = False
-    instead: Callable[[Mapping[str, Any]], dict[str, Any]] = lambda data: {}
+    instead: Callable[[Mapping[str, Any]], dict[str, Any]] = nothing_instead
 
     @property
     def is_choice(self) -> bool:

@@ -58,9 +58,7 @@ def short(tmp_path: Path) -> str:
 def test_a_check_is_one_file(tmp_path: Path) -> None:
     copy, file = Copy(tmp_path, "A check"), str(TREE / "params" / "mbcdm.yaml")
     assert len(copy.touched) == 1
-    found = {
-        check["id"]: check for check in json.loads(copy.says("-m", "mbcdm_cad", "check", file, "--json"))["checks"]
-    }
+    found = {one["id"]: one for one in json.loads(copy.says("-m", "mbcdm_cad", "check", file, "--json"))["checks"]}
     assert found["web_of_sheet"]["status"] == "pass"
     assert "`web_of_sheet`" in copy.says("-m", "mbcdm_cad.report.checks_page", file)
 

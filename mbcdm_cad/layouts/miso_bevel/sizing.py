@@ -550,6 +550,10 @@ def _total_ratio(data: Mapping[str, Any]) -> dict[str, Any]:
     return {RATIO: round(first * second, 9)} if first and second else {}
 
 
+def _further_back(setback_mm: float, factor: float) -> float:
+    return round(setback_mm + SETBACK_MM * (factor - 1.0), 2)
+
+
 # What ``mbcdm solve`` may change besides the derived dimensions.
 FREEDOMS: tuple[Freedom, ...] = (
     *common_rules.DRIVE,
@@ -564,7 +568,7 @@ FREEDOMS: tuple[Freedom, ...] = (
         TO_DRUM, 0.4, 1.5, mends=(("transmission.ratios.input_to_guide", -1), (at.transmission.guide_radii_mm, -1))
     ),
     Freedom(at.transmission.ratios, instead=_total_ratio),
-    Freedom(SETBACK, 1.0, 2.0, lambda setback_mm, factor: round(setback_mm + SETBACK_MM * (factor - 1.0), 2)),
+    Freedom(SETBACK, 1.0, 2.0, _further_back),
     Freedom(at.drive.motor_side, words=("below", "above")),
 )
 

@@ -240,8 +240,8 @@ class Search(Runs):
             self.weigh(noise, nuisances)
 
     def left_rad(self, fit: Fit) -> float:
-        """RMS that the sweeps held back have above the noise, where it is more than chance."""
-        held, floor = self.held_rms(self.beside_nuisances(fit)), self.floor_rad
+        """RMS that the sweeps held back have above the noise, where it is more than chance; nuisances may be none."""
+        held, floor = min(map(self.held_rms, (fit, self.beside_nuisances(fit)))), self.floor_rad
         return float(np.sqrt(max(held**2 - floor**2, 0.0))) if self.certain(fit) or held > NEAR_FLOOR * floor else 0.0
 
     def untold(self, fit: Fit, now: Fit) -> bool:

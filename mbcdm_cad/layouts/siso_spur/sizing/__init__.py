@@ -225,12 +225,17 @@ RULES: tuple[Rule, ...] = (
 STIFFENERS = (*stiff_sizing.SHARED, *stiff_sizing.walls("plate", "bridge", "side_wall"))
 
 
+def _whole(turns: float, factor: float) -> float:
+    """A whole number of turns; a name, since freedoms go to the workers of a cluster."""
+    return max(1, round(turns * factor))
+
+
 # What ``mbcdm solve`` may change besides the derived dimensions.
 FREEDOMS: tuple[Freedom, ...] = (
     *common_rules.PARTS,
     common_rules.SURFACE,
     Freedom(at.support.mount_screw, words=tuple(MOUNT_BOLTS)),
-    Freedom(at.transmission.turns, 0.7, 2.0, lambda turns, factor: max(1, round(turns * factor))),
+    Freedom(at.transmission.turns, 0.7, 2.0, _whole),
     Freedom(at.transmission.drum_radius_mm, 0.7, 2.0, mends=((ALL_RADII, 1),)),
     Freedom(at.transmission.input_to_drum, 0.7, 1.5),
     Freedom("stage.ratio", 0.5, 2.0),
