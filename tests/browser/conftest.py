@@ -88,7 +88,8 @@ def _show(browser: Any, built: Path, width: int, height: int, scheme: str) -> Op
     one.page.on("pageerror", lambda error: one.problems.append(str(error)))
     one.page.on("request", lambda r: one.requests.append(r.url))
     one.page.goto((built / "report.html").as_uri())
-    one.page.wait_for_function("performance.getEntriesByName('first-picture').length")
+    seen = "performance.getEntriesByName('first-picture').length"
+    assert any(one.page.evaluate(seen) or one.page.wait_for_timeout(20) for _ in range(1500)), one.page.title()
     return one
 
 

@@ -172,7 +172,8 @@ def test_choosing_a_field_shows_what_it_rests_on(shared: Any, report: dict[str, 
 def test_steps_of_assembly_get_their_pictures(used: Any, report: dict[str, Any], artefacts: Path) -> None:
     one = used
     one.page.evaluate("() => document.getElementById('assembly').scrollIntoView()")
-    one.page.wait_for_function("document.documentElement.dataset.pictured === 'yes'")
+    seen = "document.documentElement.dataset.pictured === 'yes'"
+    assert any(one.page.evaluate(seen) or one.page.wait_for_timeout(20) for _ in range(1500)), one.page.title()
     joined = [items for items in report["assembly_items"] if items]
     pictures = one.page.locator("#assembly li img")
     assert pictures.count() == len(joined)

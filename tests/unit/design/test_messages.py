@@ -140,7 +140,7 @@ def test_all_problems_of_a_file_are_listed_in_the_order_of_its_lines() -> None:
 
 
 def test_a_flood_of_problems_is_cut_with_a_word_on_the_rest() -> None:
-    lines = refusal("\n".join(f"key_{k}: 1" for k in range(200)))
+    lines = refusal("configuration: miso_bevel\ndrum:\n" + "\n".join(f"  key_{k}: 1" for k in range(200)))
     assert len(lines) == 51
     assert lines[-1].split("; ")[0].endswith("more problems are not listed"), lines[-1]
 
