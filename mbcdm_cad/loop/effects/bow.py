@@ -11,8 +11,8 @@ from mbcdm_cad.measurement.run import smoothed
 
 # Points at which the height of the bow is evaluated.
 POINTS = 201
-# Time over which the error of the output is smoothed, s.
-WINDOW_S = 1.0
+# Samples over which the error of the output is smoothed: the noise is of each, a bow of many.
+WINDOW = 50
 
 
 def _shapes(angle_rad: Floats, low_rad: float, high_rad: float) -> tuple[Floats, Floats]:
@@ -31,7 +31,7 @@ def _bent(angle_of: Callable[[Setup], Floats], setup: Setup, values: Floats, _: 
 def _reached(setup: Setup) -> Floats:
     """The output's angle without the noise of each reading: a curve over that would explain the noise by itself."""
     expected, p = setup.drum_rad, setup.p
-    return np.asarray(expected + smoothed(p.output_rad - expected, WINDOW_S, p.step_s))
+    return np.asarray(expected + smoothed(p.output_rad - expected, WINDOW * p.step_s, p.step_s))
 
 
 # A bow of a tenth of a radian is another curve over the angle that it bends.
