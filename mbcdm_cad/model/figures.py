@@ -4,12 +4,12 @@ Units are in the names. Angles of backlash are in mrad, torques on inputs in mN 
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
 
 from mbcdm_cad.model.capability import MotorFigures, TorqueLimit
 from mbcdm_cad.model.creep import PreloadLeft
+from mbcdm_cad.storage.cache import with_floats
 
 # Readable unit and factor of an SI figure, by the end of its name.
 _READABLE = {"_rad": ("mrad", 1e3), "_Nm": ("N m", 1.0), "_N": ("N", 1.0), "_m": ("mm", 1e3)}
@@ -176,12 +176,3 @@ class Analysis:
         plain = with_floats(found, lambda number: number if math.isfinite(number) else None)
         assert isinstance(plain, dict)
         return plain
-
-
-def with_floats(value: Any, write: Callable[[float], Any]) -> Any:
-    """Plain data, tuples as lists, with each float as ``write`` gives it."""
-    if isinstance(value, dict):
-        return {key: with_floats(item, write) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [with_floats(item, write) for item in value]
-    return write(value) if isinstance(value, float) else value

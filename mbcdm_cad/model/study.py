@@ -20,12 +20,12 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from mbcdm_cad.model.capability import Modelled, requirements, sigmas_si
-from mbcdm_cad.model.figures import with_floats
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.sensitivity import GlobalIndices, Panel, elasticities, figure_5, global_indices, intervals
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.tolerance import DRAWS, StackUp, Tolerances, ToleranceStack, stack_data, tolerance_stack
 from mbcdm_cad.parallel.forks import Crew
+from mbcdm_cad.storage.cache import with_floats
 
 # Okabe and Ito's palette without its yellow, which is hardly visible on paper.
 COLOURS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9")

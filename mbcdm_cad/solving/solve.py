@@ -17,8 +17,6 @@ from mbcdm_cad.solving.trials import SpentError, Trials, choices, cost, outcome,
 
 # Trials of the guided search and of the evolution after it: numbers, not times, so that the result is reproducible.
 DIRECTED, EVOLVED = 140, 96
-# Most searches, conflicts included, end before this number of trials: the full length of the progress bar.
-MOST_TRIALS = 400
 # All searches end by these numbers: that for a design, and all of it, with its changes reduced or the conflict found.
 MOST_FOR_A_DESIGN, MOST_IN_ALL = 500, 1000
 # Number of values tried before the search for a range that has an aim and no rule.

@@ -59,18 +59,23 @@ def _plain(value: Any) -> Any:
     raise TypeError(f"{type(value).__name__} is not plain data and cannot be part of a key: {value!r:.80}")
 
 
+def with_floats(value: Any, write: Callable[[float], Any]) -> Any:
+    """Plain data, tuples and numpy's arrays as lists, with each float as ``write`` gives it."""
+    if hasattr(value, "tolist"):  # an array or a number of numpy, without importing it
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return {key: with_floats(item, write) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [with_floats(item, write) for item in value]
+    return write(value) if isinstance(value, float) else value
+
+
 def rounded(value: Any) -> Any:
     """Plain data with figures to nine significant digits; null for those that are not finite.
 
     Kernels of the linear algebra, which the processor chooses, differ by some 1e-12 (``OPENBLAS_CORETYPE``).
     """
-    if hasattr(value, "tolist"):  # of numpy
-        value = value.tolist()
-    if isinstance(value, float):
-        return float(f"{value:.9g}") if math.isfinite(value) else None
-    if isinstance(value, Mapping):
-        return {key: rounded(item) for key, item in value.items()}
-    return [rounded(item) for item in value] if isinstance(value, list | tuple) else value
+    return with_floats(value, lambda number: float(f"{number:.9g}") if math.isfinite(number) else None)
 
 
 @cache

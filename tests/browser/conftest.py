@@ -31,6 +31,9 @@ class Opened:
         """What ``script`` comes to in the page; ``v`` is the 3D view."""
         return self.page.evaluate(f"() => {{ const v = window.drivePage.viewer; return {script}; }}")
 
+    def wait_for(self, seen: str) -> None:
+        assert any(self.page.evaluate(seen) or self.page.wait_for_timeout(20) for _ in range(1500)), seen
+
     def set_slider(self, element: str, value: float) -> None:
         """Move a slider as a user does."""
         self.page.eval_on_selector(
@@ -88,8 +91,7 @@ def _show(browser: Any, built: Path, width: int, height: int, scheme: str) -> Op
     one.page.on("pageerror", lambda error: one.problems.append(str(error)))
     one.page.on("request", lambda r: one.requests.append(r.url))
     one.page.goto((built / "report.html").as_uri())
-    seen = "performance.getEntriesByName('first-picture').length"
-    assert any(one.page.evaluate(seen) or one.page.wait_for_timeout(20) for _ in range(1500)), one.page.title()
+    one.wait_for("performance.getEntriesByName('first-picture').length")
     return one
 
 

@@ -170,20 +170,18 @@ def test_choosing_a_field_shows_what_it_rests_on(shared: Any, report: dict[str, 
 
 @pytest.mark.slow
 def test_steps_of_assembly_get_their_pictures(used: Any, report: dict[str, Any], artefacts: Path) -> None:
-    one = used
-    one.page.evaluate("() => document.getElementById('assembly').scrollIntoView()")
-    seen = "document.documentElement.dataset.pictured === 'yes'"
-    assert any(one.page.evaluate(seen) or one.page.wait_for_timeout(20) for _ in range(1500)), one.page.title()
+    used.page.evaluate("() => document.getElementById('assembly').scrollIntoView()")
+    used.wait_for("document.documentElement.dataset.pictured === 'yes'")
     joined = [items for items in report["assembly_items"] if items]
-    pictures = one.page.locator("#assembly li img")
+    pictures = used.page.locator("#assembly li img")
     assert pictures.count() == len(joined)
     addresses = pictures.evaluate_all("all => all.map(image => image.src)")
     assert len(set(addresses)) == len(joined), "two steps look the same"
     assert min(len(address) for address in addresses) > 4000, "a step shows nothing"
     assert joined[0][0].replace("_", " ") in pictures.first.get_attribute("alt")
-    assert one.value("v.entries.every(e => e.shown)") is True
-    one.page.locator("#assembly").screenshot(path=artefacts / "page-steps.png")
-    assert one.problems == []
+    assert used.value("v.entries.every(e => e.shown)") is True
+    used.page.locator("#assembly").screenshot(path=artefacts / "page-steps.png")
+    assert used.problems == []
 
 
 @pytest.mark.slow

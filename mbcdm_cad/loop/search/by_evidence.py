@@ -241,8 +241,8 @@ class Search(Runs):
 
     def left_rad(self, fit: Fit) -> float:
         """RMS that the sweeps held back have above the noise, where it is more than chance; nuisances may be none."""
-        held, floor = min(map(self.held_rms, (fit, self.beside_nuisances(fit)))), self.floor_rad
-        return float(np.sqrt(max(held**2 - floor**2, 0.0))) if self.certain(fit) or held > NEAR_FLOOR * floor else 0.0
+        held = min(map(self.held_rms, (fit, self.beside_nuisances(fit))))
+        return self.above_rad(held) if self.certain(fit) or held > NEAR_FLOOR * self.floor_rad else 0.0
 
     def untold(self, fit: Fit, now: Fit) -> bool:
         """What was not measured is in the set if what tells it from the effect is too small to name."""

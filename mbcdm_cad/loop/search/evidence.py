@@ -356,8 +356,3 @@ class NoiseOfUnknownSize(Whitened):
         """Beside the likeliest noise."""
         noise, number = divmod(unknown, self.log_curves.size)
         return Whitened.metric(self.each[noise], number)
-
-    def unknown(self, evidence: Weighed, curves: Sequence[Floats]) -> Floats:
-        """What the unknown cause does, rad (n,)."""
-        noise, number = divmod(evidence.unknown, self.log_curves.size)
-        return self.each[noise].unknown(replace(evidence, unknown=number), curves)

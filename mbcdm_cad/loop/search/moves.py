@@ -140,7 +140,11 @@ class Moves(ABC, Generic[SomeFit]):
 
     def left_rad(self, fit: SomeFit) -> float:
         """RMS that a fit leaves above the noise, where an unknown cause is certain."""
-        return float(np.sqrt(max(self.rms(fit) ** 2 - self.floor_rad**2, 0.0))) if self.certain(fit) else 0.0
+        return self.above_rad(self.rms(fit)) if self.certain(fit) else 0.0
+
+    def above_rad(self, rms: float) -> float:
+        """What of an error stands above the noise, rad RMS."""
+        return float(np.sqrt(max(rms**2 - self.floor_rad**2, 0.0)))
 
     def additions(self, now: SomeFit) -> list[SomeFit]:
         """Fits of ``now`` with one effect more, most likely first."""
@@ -233,10 +237,9 @@ class Moves(ABC, Generic[SomeFit]):
         others = self.additions(less)
         if self.certain(now):
             # Beside a certain unknown part what could not be named either is no alternative.
-            told = sorted(map(self.ended, others), key=self.score, reverse=True)
-            others = [
-                one for one in told if np.hypot(self.rms(one), self.left_rad(one) / BLAME_SHARE) <= self.rms(less)
-            ]
+            as_told = sorted(map(self.ended, others), key=self.score, reverse=True)
+            most = self.rms(less)
+            others = [one for one in as_told if np.hypot(self.rms(one), self.left_rad(one) / BLAME_SHARE) <= most]
         # A fit as it is told may not be the likeliest of its effects.
         best = max([now, *(one for one in others if one.effects[-1].key == effect.key)], key=self.score)
         fits, near = {effect.key: best}, self.score(best) - LOG_ODDS
